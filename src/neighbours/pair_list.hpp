@@ -1,0 +1,38 @@
+/// Cluster pair lists: for every cluster of 8 owned particles the particles (owned or halo) that may come within the
+/// kernel support of one of them while the list lives.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "particles/particle_set.hpp"
+
+namespace stirsph {
+
+class PairList {
+ public:
+  /// Builds the list for the present positions. `reach` [m] is kernel support plus skin. Candidates of a cluster are sorted
+  /// by local index, so that sums have a fixed order. Halo copies must be up to date.
+  void build(const ParticleSet& particles, double reach);
+
+  std::size_t clusters() const { return starts_.empty() ? 0 : starts_.size() - 1; }
+  /// Local indices j of the candidates of cluster c; contains the cluster's own particles.
+  std::span<const std::int32_t> candidates(std::size_t c) const {
+    return {indices_.data() + starts_[c], indices_.data() + starts_[c + 1]};
+  }
+  /// Number of candidates over all clusters.
+  std::size_t size() const { return indices_.size(); }
+  /// Grows by one with every build: lets others reuse what they derived from the list.
+  std::uint64_t version() const { return version_; }
+  std::size_t bytes() const {
+    return indices_.capacity() * sizeof(std::int32_t) + starts_.capacity() * sizeof(std::size_t);
+  }
+
+ private:
+  std::vector<std::size_t> starts_;
+  std::vector<std::int32_t> indices_;
+  std::uint64_t version_ = 0;
+};
+
+}  // namespace stirsph

@@ -1,0 +1,48 @@
+/// Copies of other ranks' particles (and periodic images of one's own) that owned particles need as neighbours.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/comm.hpp"
+#include "particles/particle_set.hpp"
+
+namespace stirsph {
+
+class CellTable;
+
+/// Who sends which particles to whom; rebuilt with the pair list.
+class HaloExchange {
+ public:
+  explicit HaloExchange(Comm comm) : comm_(comm) {}
+
+  /// Makes the plan: every particle within `reach` of a cell where another rank (or a periodic image) has particles is sent
+  /// there. Resizes the halo of `particles` and fills all fields with a halo role. Collective.
+  void build(ParticleSet& particles, const CellTable& cells, double reach);
+
+  /// Refreshes the halo copies of every field with this role. Collective over the ranks that share a border.
+  void exchange(ParticleSet& particles, Halo role) const;
+
+  std::size_t sent() const;
+  std::size_t received() const { return received_; }
+  /// Local index of the owned particle a periodic copy on the same rank stands for is not needed by anybody; halo copies are
+  /// identified by the field `id`.
+
+ private:
+  /// What goes to one rank, or to this rank itself as periodic images.
+  struct Route {
+    int rank;
+    std::vector<std::int32_t> sent;   ///< local indices of owned particles
+    std::vector<Vec3> shifts;         ///< periodic shift of each sent copy [m]; empty when all are zero
+    std::size_t first_received = 0;   ///< local index of the first copy that comes back from that rank
+    std::size_t received = 0;
+  };
+  void exchange_fields(ParticleSet& particles, const std::vector<const Field*>& fields) const;
+
+  Comm comm_;
+  std::vector<Route> routes_;
+  std::size_t received_ = 0;
+};
+
+}  // namespace stirsph
