@@ -12,8 +12,9 @@ namespace stirsph {
 
 class PairList {
  public:
-  /// Builds the list for the present positions. `reach` [m] is kernel support plus skin. Candidates of a cluster are sorted
-  /// by local index, so that sums have a fixed order. Halo copies must be up to date.
+  /// Builds the list for the present positions. `reach` [m] is kernel support plus skin. The order of a
+  /// cluster's candidates follows from positions and storage order alone, so sums repeat bit for bit. Halo copies must be
+  /// up to date.
   void build(const ParticleSet& particles, double reach);
 
   std::size_t clusters() const { return starts_.empty() ? 0 : starts_.size() - 1; }

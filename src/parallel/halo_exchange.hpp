@@ -1,7 +1,6 @@
 /// Copies of other ranks' particles (and periodic images of one's own) that owned particles need as neighbours.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -26,8 +25,6 @@ class HaloExchange {
 
   std::size_t sent() const;
   std::size_t received() const { return received_; }
-  /// Local index of the owned particle a periodic copy on the same rank stands for is not needed by anybody; halo copies are
-  /// identified by the field `id`.
 
  private:
   /// What goes to one rank, or to this rank itself as periodic images.

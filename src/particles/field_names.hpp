@@ -23,10 +23,10 @@ inline constexpr FieldInfo position_at_list_build{
 inline constexpr FieldInfo velocity{"velocity", "m/s", "velocity", Shape::Velocity, Halo::Kinematic, true, true};
 inline constexpr FieldInfo acceleration{"acceleration", "m/s2", "acceleration by all forces", Shape::Velocity};
 inline constexpr FieldInfo volumetric_strain{
-    "volumetric_strain", "1", "ln(rho0/rho), the integral of div v", Shape::Scalar, Halo::Kinematic};
-inline constexpr FieldInfo volume{"volume", "m3", "m/rho", Shape::Scalar, Halo::Kinematic, false};
+    "volumetric_strain", "1", "ln(rho0/rho), the integral of div v", Shape::Scalar, Halo::Stress};
+inline constexpr FieldInfo volume{"volume", "m3", "m/rho", Shape::Scalar, Halo::Stress, true};
 inline constexpr FieldInfo smoothing_length{"smoothing_length", "m", "kernel smoothing length h", Shape::Scalar,
-                                            Halo::Kinematic};
+                                            Halo::Stress};
 
 // stress and material state
 inline constexpr FieldInfo stress_deviator{"stress_deviator", "Pa", "Cauchy stress deviator", Shape::SymmetricTensor,

@@ -1,0 +1,27 @@
+/// The periodic box, if any. Directions that are not periodic are unbounded.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "base/tensor.hpp"
+
+namespace stirsph {
+
+struct Domain {
+  int dim = 3;
+  std::array<bool, 3> periodic{};
+  Vec3 low, high;  ///< m; used in periodic directions only
+
+  double length(int d) const { return high[d] - low[d]; }
+  bool any_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
+  /// The image of x inside the box.
+  double wrap(double x, int d) const {
+    if (!periodic[d]) return x;
+    const double turns = std::floor((x - low[d]) / length(d));
+    const double inside = x - turns * length(d);
+    return inside >= high[d] ? low[d] : inside;  // rounding may land exactly on the upper face
+  }
+};
+
+}  // namespace stirsph
