@@ -1,0 +1,163 @@
+#include "mechanics/mechanics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mechanics/mechanics_in.hpp"
+
+namespace stirsph {
+
+template <class S>
+MechanicsIn<S>::MechanicsIn(MechanicsSettings settings, std::vector<Material> materials)
+    : Mechanics(std::move(settings), std::move(materials)) {
+  for (Material& material : materials_) material.youngs_modulus *= settings_.elastic_scale;
+}
+
+template <class S>
+void MechanicsIn<S>::add_fields(ParticleSet& particles) const {
+  Neighbourhood::add_fields(particles);
+  for (const FieldInfo* info :
+       {&field::velocity, &field::acceleration, &field::volumetric_strain, &field::stress_deviator, &field::stress,
+        &field::equivalent_plastic_strain, &field::plastic_strain_rate, &field::flow_stress, &field::temperature})
+    particles.add(*info);
+  if (settings_.artificial_stress > 0) particles.add(field::artificial_stress);
+  if (settings_.heat_input) particles.add(field::heat_input);
+}
+
+template <class S>
+void MechanicsIn<S>::initialise(ParticleSet& particles) const {
+  auto volume = particles[field::volume], h = particles[field::smoothing_length],
+       strength = particles[field::flow_stress];
+  const auto mass = particles[field::mass], strain = particles[field::volumetric_strain],
+             plastic = particles[field::equivalent_plastic_strain], temperature = particles[field::temperature];
+  for (std::size_t i = 0; i < particles.owned(); ++i) {
+    const Material& m = materials_[static_cast<int>(particles[field::material][i])];
+    volume[i] = mass[i] / m.density * std::exp(strain[i]);
+    h[i] = settings_.variable_h ? smoothing_length() * std::exp(strain[i] / S::dim) : smoothing_length();
+    // An elastic material sets no limit to friction.
+    strength[i] = m.flow ? m.flow->value(plastic[i], 0.0, temperature[i]) : std::numeric_limits<double>::infinity();
+    for (int c = 0; c < S::stress_components; ++c)
+      particles.component(field::stress, c)[i] =
+          particles.component(field::stress_deviator, c)[i] + (c < 3 ? m.bulk_modulus() * strain[i] : 0.0);
+  }
+}
+
+template <class S>
+double MechanicsIn<S>::wave_speed() const {
+  double fastest = 0;
+  for (const Material& m : materials_) fastest = std::max(fastest, m.sound_speed());
+  return fastest / std::sqrt(settings_.density_scale);
+}
+
+template <class S>
+double MechanicsIn<S>::least_smoothing_length(const ParticleSet& particles) const {
+  if (particles.owned() == 0) return std::numeric_limits<double>::infinity();
+  if (!settings_.variable_h) return smoothing_length();
+  const auto h = particles[field::smoothing_length].first(particles.owned());
+  return *std::min_element(h.begin(), h.end());
+}
+
+template <class S>
+double MechanicsIn<S>::support(const ParticleSet& particles) const {
+  double largest = smoothing_length();
+  if (settings_.variable_h)
+    for (double h : particles[field::smoothing_length].first(particles.owned())) largest = std::max(largest, h);
+  return largest * kernel_support(settings_.kernel);
+}
+
+template <class S>
+void MechanicsIn<S>::pack_gradient_records(const ParticleSet& particles) {
+  const auto pack = [&]<bool VariableH>() {
+    using Record = GradientRecord<S, VariableH>;
+    records_.resize(particles.capacity() * Record::size);
+    const auto put = [&](int slot, const FieldInfo& info, int c) {
+      const double* from = particles.component(info, c).data();
+      for (std::size_t i = 0; i < particles.capacity(); ++i) records_[i * Record::size + slot] = from[i];
+    };
+    for (int d = 0; d < S::dim; ++d) put(Record::x + d, field::position, d);
+    for (int d = 0; d < S::velocity_components; ++d) put(Record::v + d, field::velocity, d);
+    put(Record::volume, field::volume, 0);
+    put(Record::strain, field::volumetric_strain, 0);
+    if constexpr (VariableH) put(Record::h, field::smoothing_length, 0);
+  };
+  settings_.variable_h ? pack.template operator()<true>() : pack.template operator()<false>();
+}
+
+template <class S>
+void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles) {
+  const auto pack = [&]<bool VariableH, bool ArtificialStress>() {
+    using Record = MomentumRecord<S, VariableH, ArtificialStress>;
+    records_.resize(particles.capacity() * Record::size);
+    const auto put = [&](int slot, const FieldInfo& info, int c) {
+      const double* from = particles.component(info, c).data();
+      for (std::size_t i = 0; i < particles.capacity(); ++i) records_[i * Record::size + slot] = from[i];
+    };
+    const auto put_tensor = [&](int slot, const FieldInfo& info) {
+      for (int i = 0; i < S::dim; ++i)
+        for (int j = i; j < S::dim; ++j) put(slot + tensor_slot<S>(i, j), info, symmetric_index(i, j));
+    };
+    for (int d = 0; d < S::dim; ++d) put(Record::x + d, field::position, d);
+    for (int d = 0; d < S::velocity_components; ++d) put(Record::v + d, field::velocity, d);
+    put(Record::volume, field::volume, 0);
+    put_tensor(Record::stress, field::stress);
+    if constexpr (ArtificialStress) put_tensor(Record::artificial, field::artificial_stress);
+    if constexpr (VariableH) put(Record::h, field::smoothing_length, 0);
+
+    const auto material = particles[field::material];
+    const auto strain = particles[field::volumetric_strain];
+    for (std::size_t i = 0; i < particles.capacity(); ++i) {
+      const Material& m = materials_[static_cast<int>(material[i])];
+      const double density = settings_.density_scale * m.density * std::exp(-strain[i]);
+      records_[i * Record::size + Record::density] = density;
+      records_[i * Record::size + Record::impedance] = density * m.sound_speed() / std::sqrt(settings_.density_scale);
+    }
+  };
+  if (settings_.variable_h)
+    settings_.artificial_stress > 0 ? pack.template operator()<true, true>() : pack.template operator()<true, false>();
+  else
+    settings_.artificial_stress > 0 ? pack.template operator()<false, true>()
+                                    : pack.template operator()<false, false>();
+}
+
+template <class S>
+void MechanicsIn<S>::update_stress(ParticleSet& particles, const PairList& pairs, double dt) {
+  counters_ = {};
+  pack_gradient_records(particles);
+  GradientBlock<S> block;
+  for (std::size_t first = 0; first < particles.clusters(); first += GradientBlock<S>::clusters) {
+    const std::size_t last = std::min(first + GradientBlock<S>::clusters, particles.clusters());
+    sweep_gradient(pairs, first, last, block);
+    update_block(particles, block, first * cluster_size, dt);
+  }
+}
+
+template <class S>
+void MechanicsIn<S>::update_acceleration(ParticleSet& particles, const PairList& pairs, double dt) {
+  pack_momentum_records(particles);
+  std::array<double*, S::dim> force;
+  for (int d = 0; d < S::dim; ++d) force[d] = particles.component(field::acceleration, d).data();
+  dissipation_.resize(particles.capacity());
+  const MomentumConstants constants{smoothing_length(), settings_.spacing, settings_.viscosity_alpha,
+                                    settings_.viscosity_beta};
+  sweep_momentum(pairs, particles.clusters(), constants, force.data(), dissipation_.data());
+  const auto mass = particles[field::mass];
+  for (int d = 0; d < S::dim; ++d)
+    for (std::size_t i = 0; i < particles.owned(); ++i) force[d][i] /= mass[i] * settings_.density_scale;
+  if (settings_.viscosity_alpha > 0 || settings_.viscosity_beta > 0)
+    for (std::size_t i = 0; i < particles.owned(); ++i) ledger_.viscous += dissipation_[i] * dt;
+}
+
+template class MechanicsIn<Cartesian3>;
+template class MechanicsIn<PlaneStrain>;
+
+std::unique_ptr<Mechanics> make_mechanics(const Space& space, const MechanicsSettings& settings,
+                                          std::vector<Material> materials) {
+  return std::visit(
+      [&]<class S>(const S&) -> std::unique_ptr<Mechanics> {
+        return std::make_unique<MechanicsIn<S>>(settings, std::move(materials));
+      },
+      space);
+}
+
+}  // namespace stirsph

@@ -1,0 +1,74 @@
+/// The mechanics of a step: velocity gradient, density and stress update, internal acceleration. One object per run, written
+/// over the compile-time space behind a run-time interface; one dispatch per sweep.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "materials/material.hpp"
+#include "mechanics/neighbourhood.hpp"
+#include "mechanics/settings.hpp"
+#include "particles/particle_set.hpp"
+
+namespace stirsph {
+
+/// Work and heat of this rank since the start of the run [J].
+struct MechanicsLedger {
+  double elastic = 0;      ///< stored by elastic deformation
+  double plastic = 0;      ///< dissipated by plastic flow
+  double viscous = 0;      ///< dissipated by artificial viscosity
+  double diffusion = 0;    ///< taken out by density diffusion
+  double plastic_heat = 0; ///< part of `plastic` turned into heat (eq. 13)
+};
+
+/// Counters of the last step on this rank.
+struct MechanicsCounters {
+  long gradient_fallbacks = 0;     ///< particles whose gradient could not be corrected
+  long return_map_iterations = 0;  ///< over all particles
+  long yielding = 0;               ///< particles that yielded
+};
+
+class Mechanics {
+ public:
+  virtual ~Mechanics() = default;
+
+  /// Declares the fields the mechanics works on.
+  virtual void add_fields(ParticleSet& particles) const = 0;
+  /// Sets volume, smoothing length, flow stress and stress from mass, volumetric strain and deviator (start of a run).
+  virtual void initialise(ParticleSet& particles) const = 0;
+
+  /// Sweep 1 and the material: reads x at the end and v at the middle of the step (halo current), updates volumetric strain,
+  /// volume, stress, plastic strain, heat. dt [s].
+  virtual void update_stress(ParticleSet& particles, const PairList& pairs, double dt) = 0;
+  /// Sweep 2: acceleration [m/s2] by stress, viscosity and artificial stress (stress halo current); overwrites the field.
+  virtual void update_acceleration(ParticleSet& particles, const PairList& pairs, double dt) = 0;
+
+  /// Largest wave speed [m/s] with density and elastic scaling.
+  virtual double wave_speed() const = 0;
+  /// Smallest smoothing length on this rank [m]; infinity without particles.
+  virtual double least_smoothing_length(const ParticleSet& particles) const = 0;
+  /// Largest smoothing length times the kernel support on this rank [m].
+  virtual double support(const ParticleSet& particles) const = 0;
+
+  const MechanicsSettings& settings() const { return settings_; }
+  const std::vector<Material>& materials() const { return materials_; }
+  MechanicsLedger& ledger() { return ledger_; }
+  const MechanicsCounters& counters() const { return counters_; }
+  /// Bytes of scratch storage.
+  virtual std::size_t bytes() const = 0;
+
+ protected:
+  Mechanics(MechanicsSettings settings, std::vector<Material> materials)
+      : settings_(std::move(settings)), materials_(std::move(materials)) {}
+
+  MechanicsSettings settings_;
+  std::vector<Material> materials_;  ///< moduli already multiplied by elastic_scale
+  MechanicsLedger ledger_;
+  MechanicsCounters counters_;
+};
+
+/// Materials carry their physical data; elastic and density scaling are applied inside.
+std::unique_ptr<Mechanics> make_mechanics(const Space& space, const MechanicsSettings& settings,
+                                          std::vector<Material> materials);
+
+}  // namespace stirsph

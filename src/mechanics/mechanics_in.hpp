@@ -1,0 +1,38 @@
+/// Mechanics over one space. The sweeps live in translation units of their own (they are instantiated for every kernel and
+/// option), the update of the material state in stress_update.cpp.
+#pragma once
+
+#include "mechanics/mechanics.hpp"
+#include "mechanics/pair_sweep.hpp"
+
+namespace stirsph {
+
+template <class S>
+class MechanicsIn final : public Mechanics {
+ public:
+  MechanicsIn(MechanicsSettings settings, std::vector<Material> materials);
+
+  void add_fields(ParticleSet& particles) const override;
+  void initialise(ParticleSet& particles) const override;
+  void update_stress(ParticleSet& particles, const PairList& pairs, double dt) override;
+  void update_acceleration(ParticleSet& particles, const PairList& pairs, double dt) override;
+  double wave_speed() const override;
+  double least_smoothing_length(const ParticleSet& particles) const override;
+  double support(const ParticleSet& particles) const override;
+  std::size_t bytes() const override { return records_.capacity() * sizeof(double); }
+
+ private:
+  void pack_gradient_records(const ParticleSet& particles);
+  void pack_momentum_records(const ParticleSet& particles);
+  void sweep_gradient(const PairList& pairs, std::size_t first, std::size_t last, GradientBlock<S>& block);
+  void sweep_momentum(const PairList& pairs, std::size_t clusters, const MomentumConstants& constants,
+                      double* const* force, double* dissipation);
+  void update_block(ParticleSet& particles, const GradientBlock<S>& block, std::size_t first, double dt);
+
+  double smoothing_length() const { return settings_.h_over_dx * settings_.spacing; }
+
+  AlignedVector records_;      ///< neighbours packed for the sweep at hand
+  AlignedVector dissipation_;  ///< W per particle
+};
+
+}  // namespace stirsph

@@ -1,0 +1,5 @@
+#include "mechanics/momentum_sweep_instances.hpp"
+
+namespace stirsph {
+template void MechanicsIn<Cartesian3>::sweep_momentum(const PairList&, std::size_t, const MomentumConstants&, double* const*, double*);
+}  // namespace stirsph

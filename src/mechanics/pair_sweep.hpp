@@ -1,0 +1,232 @@
+/// The two pair sums of a step, over clusters of 8 particles in SIMD lanes against their candidate neighbours one by one.
+///
+/// Velocity gradient  L_i = sum_j V_j (v_j - v_i) (x) grad W_ij          [optionally times M_i^-1, M the first moment]
+/// Internal force     F_i = V_i sum_j V_j (sigma_i + sigma_j - q_ij I + f^n (R_i + R_j)) . grad W_ij
+/// The force is antisymmetric in i and j, so momentum is conserved to round-off, and it is the adjoint of the uncorrected
+/// gradient, so the stress power equals the work of the forces. q_ij is Monaghan's viscosity, R the artificial stress of
+/// Gray, Monaghan & Swift (2001), f = W(r)/W(dx), n = 4.
+///
+/// Neighbours are packed into one record each, so that a neighbour costs one or two cache lines. Candidates outside the
+/// support, the particle itself and padding lanes give exact zeros: there is no branch in the loop.
+#pragma once
+
+#include <vector>
+
+#include "mechanics/settings.hpp"
+#include "mechanics/simd.hpp"
+#include "neighbours/pair_list.hpp"
+#include "particles/field_names.hpp"
+#include "particles/particle_set.hpp"
+
+namespace stirsph {
+
+constexpr int padded_record(int size) { return (size + 7) / 8 * 8; }
+
+/// Keeps r away from zero for the particle itself; (1e-30 m)^2, far below any spacing.
+inline constexpr double tiny_square = 1e-60;
+
+/// Cluster-wise results of the first sweep for a run of clusters.
+template <class S>
+struct GradientBlock {
+  static constexpr std::size_t clusters = 32;  ///< results of this many clusters stay in the first-level cache
+  static constexpr std::size_t size = clusters * cluster_size;
+  alignas(64) double gradient[S::dim * S::dim][size];
+  alignas(64) double diffusion[size];  ///< sum of V_j (e_i - e_j) W'/r (times -2 delta h c: rate of volumetric strain)
+};
+
+template <class S, bool VariableH>
+struct GradientRecord {
+  static constexpr int x = 0, v = S::dim, volume = v + S::velocity_components, strain = volume + 1, h = strain + 1;
+  static constexpr int size = padded_record(h + (VariableH ? 1 : 0));
+};
+
+template <class S, bool VariableH, bool ArtificialStress>
+struct MomentumRecord {
+  static constexpr int tensor = S::dim * (S::dim + 1) / 2;  ///< in-space components of a symmetric tensor
+  static constexpr int x = 0, v = S::dim, volume = v + S::velocity_components, impedance = volume + 1,
+                       density = impedance + 1, stress = density + 1, artificial = stress + tensor,
+                       h = artificial + (ArtificialStress ? tensor : 0);
+  static constexpr int size = padded_record(h + (VariableH ? 1 : 0));
+};
+
+/// In-space components (i <= j < dim) of a symmetric tensor, in storage order.
+template <class S>
+constexpr int tensor_slot(int i, int j) {
+  if constexpr (S::dim == 3) return symmetric_index(i, j);
+  return i == j ? i : 2;
+}
+
+template <class S, class Record>
+void load_rows(const AlignedVector& records, std::size_t first, int offset, int count, Lanes* out) {
+  for (int c = 0; c < count; ++c)
+    out[c] = Lanes([&](auto lane) { return records[(first + lane) * Record::size + offset + c]; });
+}
+
+/// First sweep over clusters [first, last). `smoothing` is h when it is the same for all particles.
+template <class S, class K, bool Corrected, bool Diffusion, bool VariableH>
+long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs, std::size_t first, std::size_t last,
+                             double smoothing, GradientBlock<S>& block) {
+  constexpr int dim = S::dim;
+  using Record = GradientRecord<S, VariableH>;
+  const double sigma = K::normalisation(dim);
+  long fallbacks = 0;
+  for (std::size_t cluster = first; cluster < last; ++cluster) {
+    const auto candidates = pairs.candidates(cluster);
+    for (std::size_t part = 0; part < cluster_size; part += lanes) {
+      const std::size_t i0 = cluster * cluster_size + part;
+      Lanes xi[dim], vi[dim], ei{}, hi{};
+      load_rows<S, Record>(records, i0, Record::x, dim, xi);
+      load_rows<S, Record>(records, i0, Record::v, dim, vi);
+      if constexpr (Diffusion) load_rows<S, Record>(records, i0, Record::strain, 1, &ei);
+      if constexpr (VariableH) load_rows<S, Record>(records, i0, Record::h, 1, &hi);
+      LaneMatrix<Lanes, dim> gradient, moment;
+      Lanes diffusion = 0.0;
+      for (int a = 0; a < dim; ++a)
+        for (int b = 0; b < dim; ++b) gradient.a[a][b] = moment.a[a][b] = 0.0;
+      const double inverse_h = 1 / smoothing;
+      const double constant = sigma * std::pow(inverse_h, dim + 1);
+
+      for (const std::int32_t j : candidates) {
+        const double* other = records.data() + static_cast<std::size_t>(j) * Record::size;
+        Lanes d[dim], r2 = tiny_square;
+        for (int a = 0; a < dim; ++a) {
+          d[a] = xi[a] - other[Record::x + a];
+          r2 += d[a] * d[a];
+        }
+        const Lanes r = sqrt(r2);
+        Lanes weight;  // V_j W'(r)/r
+        if constexpr (VariableH) {
+          const Lanes inverse = 2.0 / (hi + other[Record::h]);
+          Lanes power = inverse * inverse * inverse;
+          if constexpr (dim == 3) power *= inverse;
+          weight = other[Record::volume] * sigma * power * K::slope(Lanes(r * inverse)) / r;
+        } else {
+          weight = other[Record::volume] * constant * K::slope(Lanes(r * inverse_h)) / r;
+        }
+        for (int b = 0; b < dim; ++b) {
+          const Lanes g = weight * d[b];
+          for (int a = 0; a < dim; ++a) gradient.a[a][b] += g * (other[Record::v + a] - vi[a]);
+          if constexpr (Corrected)
+            for (int a = 0; a <= b; ++a) moment.a[a][b] -= g * d[a];
+        }
+        if constexpr (Diffusion) diffusion += weight * (ei - other[Record::strain]);
+      }
+
+      if constexpr (Corrected) {
+        for (int b = 0; b < dim; ++b)
+          for (int a = b + 1; a < dim; ++a) moment.a[a][b] = moment.a[b][a];
+        // L = G M^-1 (M symmetric). A particle with too few or coplanar neighbours keeps the plain sum: its moment is
+        // nearly singular (condition number above about 100, or hardly any support at all).
+        const LaneMatrix<Lanes, dim> cofactors = adjugate(moment);
+        const Lanes det = determinant(moment);
+        Lanes norm2 = 0.0, cofactor_norm2 = 0.0, trace = 0.0;
+        for (int a = 0; a < dim; ++a) {
+          trace += moment.a[a][a];
+          for (int b = 0; b < dim; ++b) {
+            norm2 += moment.a[a][b] * moment.a[a][b];
+            cofactor_norm2 += cofactors.a[a][b] * cofactors.a[a][b];
+          }
+        }
+        const auto sound = trace > Lanes(0.05 * dim) && norm2 * cofactor_norm2 < 1e4 * det * det;
+        fallbacks += static_cast<long>(lanes) - stdx::popcount(sound);
+        const LaneMatrix<Lanes, dim> corrected = multiply(gradient, cofactors);
+        for (int a = 0; a < dim; ++a)
+          for (int b = 0; b < dim; ++b) stdx::where(sound, gradient.a[a][b]) = corrected.a[a][b] / det;
+      }
+      const std::size_t at = (cluster - first) * cluster_size + part;
+      for (int a = 0; a < dim; ++a)
+        for (int b = 0; b < dim; ++b)
+          gradient.a[a][b].copy_to(&block.gradient[a * dim + b][at], stdx::vector_aligned);
+      if constexpr (Diffusion) diffusion.copy_to(&block.diffusion[at], stdx::vector_aligned);
+    }
+  }
+  return fallbacks;
+}
+
+/// What the second sweep needs besides the records.
+struct MomentumConstants {
+  double smoothing;    ///< m
+  double spacing;      ///< m
+  double alpha, beta;  ///< viscosity
+};
+
+/// Second sweep over clusters [first, last): adds forces [N] and viscous dissipation [W] per particle into arrays that
+/// begin at particle first*8.
+template <class S, class K, bool Viscous, bool ArtificialStress, bool VariableH>
+void momentum_sweep(const AlignedVector& records, const PairList& pairs, std::size_t first, std::size_t last,
+                    const MomentumConstants& constants, double* const* force, double* dissipation) {
+  constexpr int dim = S::dim;
+  using Record = MomentumRecord<S, VariableH, ArtificialStress>;
+  constexpr int tensor = Record::tensor;
+  const double sigma = K::normalisation(dim), inverse_h = 1 / constants.smoothing;
+  const double constant = sigma * std::pow(inverse_h, dim + 1);
+  const double at_spacing = 1 / K::value(constants.spacing * inverse_h);
+  for (std::size_t cluster = first; cluster < last; ++cluster) {
+    const auto candidates = pairs.candidates(cluster);
+    for (std::size_t part = 0; part < cluster_size; part += lanes) {
+      const std::size_t i0 = cluster * cluster_size + part;
+      Lanes xi[dim], vi[dim], si[tensor], ri[tensor], volume, impedance{}, density{}, hi{};
+      load_rows<S, Record>(records, i0, Record::x, dim, xi);
+      load_rows<S, Record>(records, i0, Record::stress, tensor, si);
+      load_rows<S, Record>(records, i0, Record::volume, 1, &volume);
+      if constexpr (Viscous) {
+        load_rows<S, Record>(records, i0, Record::v, dim, vi);
+        load_rows<S, Record>(records, i0, Record::impedance, 1, &impedance);
+        load_rows<S, Record>(records, i0, Record::density, 1, &density);
+      }
+      if constexpr (ArtificialStress) load_rows<S, Record>(records, i0, Record::artificial, tensor, ri);
+      if constexpr (VariableH) load_rows<S, Record>(records, i0, Record::h, 1, &hi);
+      Lanes f[dim], dissipated = 0.0;
+      for (int a = 0; a < dim; ++a) f[a] = 0.0;
+
+      for (const std::int32_t j : candidates) {
+        const double* other = records.data() + static_cast<std::size_t>(j) * Record::size;
+        Lanes d[dim], r2 = tiny_square;
+        for (int a = 0; a < dim; ++a) {
+          d[a] = xi[a] - other[Record::x + a];
+          r2 += d[a] * d[a];
+        }
+        const Lanes r = sqrt(r2);
+        Lanes h = constants.smoothing, weight, q;
+        if constexpr (VariableH) {
+          h = 0.5 * (hi + other[Record::h]);
+          const Lanes inverse = 1.0 / h;
+          Lanes power = inverse * inverse * inverse;
+          if constexpr (dim == 3) power *= inverse;
+          q = r * inverse;
+          weight = other[Record::volume] * sigma * power * K::slope(q) / r;
+        } else {
+          q = r * inverse_h;
+          weight = other[Record::volume] * constant * K::slope(q) / r;
+        }
+        Lanes stress[tensor];
+        for (int c = 0; c < tensor; ++c) stress[c] = si[c] + other[Record::stress + c];
+        if constexpr (ArtificialStress) {
+          const Lanes ratio = K::value(q) * at_spacing, square = ratio * ratio, fourth = square * square;
+          for (int c = 0; c < tensor; ++c) stress[c] += fourth * (ri[c] + other[Record::artificial + c]);
+        }
+        if constexpr (Viscous) {
+          Lanes approach = 0.0;
+          for (int a = 0; a < dim; ++a) approach += (vi[a] - other[Record::v + a]) * d[a];
+          approach = min(approach, Lanes(0.0));
+          const Lanes mu = h * approach / (r2 + 0.01 * h * h);
+          const Lanes pressure = 0.5 * mu *
+                                 (constants.beta * (density + other[Record::density]) * mu -
+                                  constants.alpha * (impedance + other[Record::impedance]));
+          for (int a = 0; a < dim; ++a) stress[tensor_slot<S>(a, a)] -= pressure;
+          dissipated += pressure * weight * approach;
+        }
+        for (int a = 0; a < dim; ++a) {
+          Lanes traction = stress[tensor_slot<S>(0, a)] * d[0];
+          for (int b = 1; b < dim; ++b) traction += stress[tensor_slot<S>(a < b ? a : b, a < b ? b : a)] * d[b];
+          f[a] += weight * traction;
+        }
+      }
+      const std::size_t at = (cluster - first) * cluster_size + part;
+      for (int a = 0; a < dim; ++a) Lanes(f[a] * volume).copy_to(force[a] + at, stdx::element_aligned);
+      Lanes(0.5 * dissipated * volume).copy_to(dissipation + at, stdx::element_aligned);
+    }
+  }
+}
+
+}  // namespace stirsph
