@@ -38,15 +38,16 @@ class Parameters {
   /// The effective input, defaults included, as TOML with a comment for each key's meaning.
   std::string as_toml() const;
 
-  struct Node;  ///< defined in parser.cpp
+  struct Node;  ///< defined in node.hpp
   explicit Parameters(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
 
  private:
   std::shared_ptr<const Node> node_;
 };
 
-/// Reads a TOML file and checks it. `overrides` are "section.key=value" strings of the command line (value as in TOML; bare
-/// text is taken as a string). Errors are InputError with file, line, key, value, what is allowed and the nearest name.
+/// Reads a TOML file and checks it. `overrides` are "section.key=value" strings of the command line (value as in TOML;
+/// bare text is taken as a string). Errors are InputError with file, line, key, value, what is allowed and the nearest
+/// name.
 Parameters parse_file(const std::string& path, const Schema& schema, const std::vector<std::string>& overrides = {});
 /// The same for text already in memory; `name` stands in messages, `folder` for relative paths.
 Parameters parse_text(const std::string& text, const std::string& name, const Schema& schema,
