@@ -50,6 +50,9 @@ inline constexpr FieldInfo heat_input{
     "heat_input", "J", "plastic and friction heat since the last heat solve", Shape::Scalar, Halo::None};
 inline constexpr FieldInfo conductivity{"conductivity", "W/m/K", "thermal conductivity at the present temperature",
                                         Shape::Scalar, Halo::Thermal, false};
+inline constexpr FieldInfo conduction_correction{
+    "conduction_correction", "1", "weight of the heat links of a particle that lacks neighbours at a surface",
+    Shape::Scalar, Halo::Thermal, false};
 inline constexpr FieldInfo matrix_row{"matrix_row", "1", "row of the particle in the heat matrix", Shape::Scalar,
                                       Halo::Thermal, false};
 

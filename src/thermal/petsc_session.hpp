@@ -7,7 +7,8 @@ namespace stirsph {
 
 class PetscSession {
  public:
-  /// `options` is a PETSc options string ("-heat_pc_type jacobi ..."); empty for none. PETSc's own signal handlers are left off.
+  /// `options` is a PETSc options string ("-heat_pc_type jacobi ..."); empty for none. PETSc's own signal handlers are
+  /// left off.
   explicit PetscSession(const std::string& options = {});
   ~PetscSession();
   PetscSession(const PetscSession&) = delete;

@@ -1,0 +1,77 @@
+#include "thermal/heat_matrix.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "base/error.hpp"
+
+namespace stirsph {
+
+std::size_t HeatMatrix::bytes() const {
+  std::size_t sum = 0;
+  for (const Block* block : {&own, &far})
+    sum += (block->starts.capacity() + block->columns.capacity()) * sizeof(int) +
+           block->values.capacity() * sizeof(double);
+  return sum;
+}
+
+HeatMatrixWriter::HeatMatrixWriter(HeatMatrix& matrix, std::int64_t first_row, std::size_t rows, bool fresh)
+    : matrix_(matrix), first_row_(first_row), rows_(rows), fresh_(fresh) {
+  if (fresh) {
+    for (HeatMatrix::Block* block : {&matrix.own, &matrix.far}) {
+      block->starts.assign(1, 0);
+      block->starts.reserve(rows + 1);
+      block->columns.clear();
+      block->values.clear();
+    }
+    matrix.first_row = first_row;
+  } else {
+    fits_ = matrix.first_row == first_row && matrix.rows() == rows;
+  }
+}
+
+void HeatMatrixWriter::sort_and_merge(std::vector<Entry>& entries) {
+  const auto before = [](const Entry& a, const Entry& b) { return a.column < b.column; };
+  // Stable, so that the terms of a merged entry are added in the order they came.
+  if (!std::is_sorted(entries.begin(), entries.end(), before)) std::stable_sort(entries.begin(), entries.end(), before);
+  std::size_t kept = 0;
+  for (std::size_t k = 1; k < entries.size(); ++k)
+    if (entries[k].column == entries[kept].column)
+      entries[kept].value += entries[k].value;
+    else
+      entries[++kept] = entries[k];
+  if (!entries.empty()) entries.resize(kept + 1);
+}
+
+void HeatMatrixWriter::store(HeatMatrix::Block& block, std::vector<Entry>& entries) {
+  sort_and_merge(entries);
+  if (fresh_) {
+    for (const Entry& entry : entries) {
+      block.columns.push_back(static_cast<int>(entry.column));
+      block.values.push_back(entry.value);
+    }
+    if (block.columns.size() > std::size_t(std::numeric_limits<int>::max()))
+      throw Error(ExitCode::Input, "the heat matrix of one rank has more than 2^31 entries: use more ranks");
+    block.starts.push_back(static_cast<int>(block.columns.size()));
+    return;
+  }
+  const std::size_t first = block.starts[row_];
+  if (block.starts[row_ + 1] - block.starts[row_] != static_cast<int>(entries.size())) {
+    fits_ = false;
+    return;
+  }
+  for (std::size_t k = 0; k < entries.size(); ++k) {
+    fits_ = fits_ && block.columns[first + k] == entries[k].column;
+    block.values[first + k] = entries[k].value;
+  }
+}
+
+void HeatMatrixWriter::end_row() {
+  if (!fits_) return;
+  store(matrix_.own, own_);
+  if (fits_) store(matrix_.far, far_);
+  row_ += 1;
+}
+
+}  // namespace stirsph
