@@ -17,8 +17,7 @@ struct MechanicsSettings {
   double artificial_stress = 0;    ///< epsilon of Gray, Monaghan & Swift (2001); 0 = off
   double density_scale = 1;        ///< s: inertial mass over physical mass
   double elastic_scale = 1;        ///< factor on the elastic moduli (soft elasticity)
-  bool adiabatic_heating = false;  ///< plastic heat raises the temperature at once (no conduction)
-  bool heat_input = false;         ///< plastic heat is collected for the heat solver
+  bool heat_input = false;         ///< plastic heat is collected in the field heat_input
 };
 
 }  // namespace stirsph

@@ -31,7 +31,7 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
   double* plastic_strain = particles[field::equivalent_plastic_strain].data();
   double* plastic_rate = particles[field::plastic_strain_rate].data();
   double* flow_stress = particles[field::flow_stress].data();
-  double* temperature = particles[field::temperature].data();
+  const double* temperature = particles[field::temperature].data();
   double* smoothing = particles[field::smoothing_length].data();
   double* heat_input = settings_.heat_input ? particles[field::heat_input].data() : nullptr;
   const double* mass = particles[field::mass].data();
@@ -107,7 +107,7 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
       const double pressure_work = -0.5 * (old_pressure - mean) * deformed;
       ledger_.plastic += plastic * volume[i];
       ledger_.elastic += (deviatoric_work - plastic + pressure_work) * volume[i];
-      ledger_.diffusion -= 0.5 * (old_pressure - mean) * smoothed * volume[i];
+      ledger_.diffusion += 0.5 * (old_pressure - mean) * smoothed * volume[i];
       plastic_strain[i] += increment[k];
       plastic_rate[i] = increment[k] / dt;
       if (increment[k] > 0) {
@@ -115,7 +115,6 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
         const double heat = m.taylor_quinney * plastic * volume[i];
         ledger_.plastic_heat += heat;
         if (heat_input) heat_input[i] += heat;
-        if (settings_.adiabatic_heating) temperature[i] += heat / (mass[i] * m.thermal.specific_heat(temperature[i]));
       }
     }
   }

@@ -1,0 +1,145 @@
+#include "contact/contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "particles/field_names.hpp"
+
+namespace stirsph {
+
+Contact::Contact(std::vector<ContactPair> pairs, int dim, double spacing, std::vector<double> moduli,
+                 double density_scale)
+    : pairs_(std::move(pairs)), dim_(dim), spacing_(spacing), moduli_(std::move(moduli)),
+      density_scale_(density_scale), candidates_(pairs_.size()) {}
+
+double Contact::area_of(double volume) const { return dim_ == 3 ? std::cbrt(volume * volume) : std::sqrt(volume); }
+
+void Contact::find_candidates(const ParticleSet& particles, const std::vector<RigidBody>& bodies) {
+  // A whole spacing of margin: a candidate list lives for several steps even under a fast rim.
+  const double margin = spacing_;
+  const auto body_of = particles[field::body];
+  for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    candidates_[p].clear();
+    const RigidBody& rigid = bodies[pairs_[p].rigid];
+    for (std::size_t i = 0; i < particles.owned(); ++i)
+      if (pairs_[p].bodies[static_cast<int>(body_of[i])] &&
+          rigid.nearest(particles.vector_at(field::position, i)).distance < 0.5 * spacing_ + margin)
+        candidates_[p].push_back(static_cast<std::int32_t>(i));
+  }
+  candidates_valid_ = true;
+  budget_ = margin;
+}
+
+void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel,
+                    bool heat_input) {
+  contact_step_ = std::max(contact_step_, dt);
+  budget_ -= travel;
+  if (!candidates_valid_ || budget_ <= 0) find_candidates(particles, bodies);
+  loads_.assign(bodies.size(), {});
+
+  std::array<double*, 3> a{}, v{};
+  for (int d = 0; d < dim_; ++d) {
+    a[d] = particles.component(field::acceleration, d).data();
+    v[d] = particles.component(field::velocity, d).data();
+  }
+  const double* mass = particles[field::mass].data();
+  const double* volume = particles[field::volume].data();
+  const double* strength = particles[field::flow_stress].data();
+  const double* material_of = particles[field::material].data();
+  double* heat_field = heat_input ? particles[field::heat_input].data() : nullptr;
+
+  for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    const ContactPair& pair = pairs_[p];
+    const RigidBody& rigid = bodies[pair.rigid];
+    ContactLoad& load = loads_[pair.rigid];
+    for (const std::int32_t i : candidates_[p]) {
+      const Vec3 x = particles.vector_at(field::position, i);
+      const SurfacePoint surface = rigid.nearest(x);
+      const double depth = 0.5 * spacing_ - surface.distance;
+      if (depth <= 0) continue;
+      const Vec3 n = surface.normal;
+      const int material = static_cast<int>(material_of[i]);
+      const double inertia = mass[i] * density_scale_;
+      const double stiffness = std::max(pair.penalty_scale * moduli_[material] * spacing_,
+                                        pair.soft_scale * inertia / (contact_step_ * contact_step_));
+      Vec3 half_velocity, acceleration;
+      for (int d = 0; d < dim_; ++d) {
+        half_velocity[d] = v[d][i];
+        acceleration[d] = a[d][i];
+      }
+      const Vec3 surface_velocity = rigid.pose.velocity_at(x);
+      const double opening = dot(half_velocity - surface_velocity, n);
+      const double normal_force =
+          std::max(0.0, stiffness * depth - 2 * pair.damping * std::sqrt(stiffness * inertia) * opening);
+
+      // Sticking is what would bring the tangential velocity to rest at the end of this kick, all other forces included:
+      // friction never reverses the slip and a held particle does not creep.
+      const Vec3 coming = half_velocity + dt * acceleration - surface_velocity;
+      const Vec3 slip = coming - dot(coming, n) * n;
+      const double slip_speed = norm(slip);
+      const double area = area_of(volume[i]);
+      const double cap = pair.shear_limit >= 0 ? pair.shear_limit
+                                               : pair.shear_limit_factor * strength[i] * std::numbers::inv_sqrt3;
+      const double friction_force =
+          std::min({pair.friction * normal_force, cap * area, inertia * slip_speed / dt});
+      Vec3 force = normal_force * n;
+      if (slip_speed > 0) force -= friction_force / slip_speed * slip;
+      for (int d = 0; d < dim_; ++d) a[d][i] += force[d] / inertia;
+
+      // Work over the kick: force times the mean of the velocities before and after it.
+      const Vec3 mean = half_velocity + 0.5 * dt * (acceleration + force / inertia) - surface_velocity;
+      const Vec3 tangential = mean - dot(mean, n) * n;
+      const double friction_power = slip_speed > 0 ? friction_force / slip_speed * dot(slip, tangential) : 0.0;
+      ledger_.external += dot(force, surface_velocity) * dt;
+      ledger_.friction += friction_power * dt;
+      ledger_.normal -= normal_force * dot(mean, n) * dt;
+
+      load.force -= force;
+      load.torque -= cross(x - rigid.pose.axis_point(), force);
+      load.friction_power += friction_power;
+      load.sliding_speed += norm(tangential);
+      load.surface_speed += norm(surface_velocity - dot(surface_velocity, n) * n);
+      load.area += area;
+      load.penetration = std::max(load.penetration, depth);
+      const double heat = pair.heat_conversion * friction_power * dt;
+      const double share = pair.heat_share.empty() ? 1.0 : pair.heat_share[material];
+      load.heat += (1 - share) * heat;
+      if (heat_field) {
+        heat_field[i] += share * heat;
+        ledger_.friction_heat += share * heat;
+      }
+    }
+  }
+}
+
+std::vector<ContactPoint> Contact::thermal_points(const ParticleSet& particles,
+                                                  const std::vector<RigidBody>& bodies) const {
+  std::vector<ContactPoint> points;
+  const auto body_of = particles[field::body];
+  for (const ContactPair& pair : pairs_)
+    for (std::size_t i = 0; i < particles.owned(); ++i) {
+      if (!pair.bodies[static_cast<int>(body_of[i])]) continue;
+      const SurfacePoint surface = bodies[pair.rigid].nearest(particles.vector_at(field::position, i));
+      if (surface.distance >= 0.75 * spacing_) continue;
+      points.push_back({static_cast<std::int32_t>(i), pair.rigid, surface.distance,
+                        area_of(particles[field::volume][i]), 0.0, surface.normal});
+    }
+  return points;
+}
+
+std::vector<Contact::Overlap> Contact::overlaps(const ParticleSet& particles,
+                                                const std::vector<RigidBody>& bodies) const {
+  std::vector<Overlap> result(pairs_.size());
+  const auto body_of = particles[field::body];
+  for (std::size_t p = 0; p < pairs_.size(); ++p)
+    for (std::size_t i = 0; i < particles.owned(); ++i) {
+      if (!pairs_[p].bodies[static_cast<int>(body_of[i])]) continue;
+      const Vec3 x = particles.vector_at(field::position, i);
+      const double depth = 0.5 * spacing_ - bodies[pairs_[p].rigid].nearest(x).distance;
+      if (depth > result[p].depth) result[p] = {depth, static_cast<std::int64_t>(particles[field::id][i]), x};
+    }
+  return result;
+}
+
+}  // namespace stirsph

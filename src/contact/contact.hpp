@@ -1,0 +1,94 @@
+/// Contact of particles with rigid bodies: penalty force with a soft-constraint floor (paper eqs 10-11), Coulomb friction
+/// limited by the shear strength (eq. 12), friction heat and its split (eqs 14-15).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/rigid_body.hpp"
+#include "particles/contact_point.hpp"
+#include "particles/particle_set.hpp"
+
+namespace stirsph {
+
+/// One contact pair: a rigid body and the particles of some bodies.
+struct ContactPair {
+  int rigid = 0;                   ///< index of the rigid body
+  std::vector<bool> bodies;        ///< which particle bodies take part
+  double friction = 0;             ///< Coulomb coefficient mu
+  double shear_limit_factor = 1;   ///< factor on sigma_y/sqrt(3) of the particle's own flow stress
+  double shear_limit = -1;         ///< Pa; when >= 0 it replaces the flow stress limit
+  double penalty_scale = 0.1;      ///< times E dx: the standard penalty stiffness
+  double soft_scale = 0.1;         ///< S_f of eq. 11
+  double damping = 0;              ///< fraction of critical damping of the normal spring
+  double heat_conversion = 0.9;    ///< eta of eq. 14
+  std::vector<double> heat_share;  ///< per material: share of friction heat that stays in the particle (f of eq. 15)
+};
+
+/// What one rigid body felt in the last step, on this rank.
+struct ContactLoad {
+  Vec3 force;                    ///< N, of the particles on the body
+  Vec3 torque;                   ///< N m, about the body's axis point
+  double friction_power = 0;     ///< W dissipated by sliding
+  double sliding_speed = 0;      ///< sum over touching particles of |v_t| [m/s]
+  double surface_speed = 0;      ///< sum over touching particles of the body's own tangential speed there [m/s]
+  double area = 0;               ///< m2 in contact
+  double penetration = 0;        ///< m, deepest
+  double heat = 0;               ///< J of friction heat into the body in this step
+};
+
+/// Work of this rank since the start [J].
+struct ContactLedger {
+  double external = 0;   ///< done by the moving rigid bodies on the particles
+  double friction = 0;   ///< dissipated by sliding
+  double normal = 0;     ///< stored in (and damped by) the penalty springs
+  double friction_heat = 0;  ///< put into particles
+};
+
+class Contact {
+ public:
+  /// `spacing` [m]; a particle's surface lies spacing/2 outside its centre. `moduli`: Young's modulus per material [Pa].
+  /// `density_scale`: inertial over physical mass.
+  Contact(std::vector<ContactPair> pairs, int dim, double spacing, std::vector<double> moduli, double density_scale);
+
+  /// Local indices are no longer valid (the particles were reordered).
+  void forget_candidates() { candidates_valid_ = false; }
+
+  /// Adds contact accelerations to the field `acceleration`, which must already hold all other forces, and friction heat.
+  /// `travel` [m]: upper bound of how far any particle or body surface moved since the last call. dt [s].
+  void apply(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel, bool heat_input);
+
+  /// Particles in thermal contact now: the surface is within a quarter spacing of touching. Normals and areas included.
+  std::vector<ContactPoint> thermal_points(const ParticleSet& particles, const std::vector<RigidBody>& bodies) const;
+
+  const std::vector<ContactLoad>& loads() const { return loads_; }
+  ContactLedger& ledger() { return ledger_; }
+  const std::vector<ContactPair>& pairs() const { return pairs_; }
+  /// Contact time step of eq. 11: grows with the solution step, never shrinks. Part of the state.
+  double& contact_step() { return contact_step_; }
+  /// Deepest overlap of each pair [m] and the id of that particle on this rank; for the check of the initial state.
+  struct Overlap {
+    double depth = 0;
+    std::int64_t id = -1;
+    Vec3 position;
+  };
+  std::vector<Overlap> overlaps(const ParticleSet& particles, const std::vector<RigidBody>& bodies) const;
+
+ private:
+  void find_candidates(const ParticleSet& particles, const std::vector<RigidBody>& bodies);
+  double area_of(double volume) const;
+
+  std::vector<ContactPair> pairs_;
+  int dim_;
+  double spacing_;
+  std::vector<double> moduli_;
+  double density_scale_;
+  double contact_step_ = 0;
+  bool candidates_valid_ = false;
+  double budget_ = 0;  ///< m that may still be travelled before a new particle could touch
+  std::vector<std::vector<std::int32_t>> candidates_;
+  std::vector<ContactLoad> loads_;
+  ContactLedger ledger_;
+};
+
+}  // namespace stirsph

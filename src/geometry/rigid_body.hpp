@@ -1,0 +1,38 @@
+/// A rigid body: a shape carried by a motion (translation plus rotation about one axis).
+#pragma once
+
+#include <string>
+
+#include "geometry/shape.hpp"
+
+namespace stirsph {
+
+/// Where a rigid body is and how it moves at one instant. The axis passes through `centre` and travels with the body.
+struct RigidPose {
+  Vec3 centre;                  ///< m, point on the rotation axis at the start
+  Vec3 axis{0, 0, 1};           ///< unit vector; positive rotation by the right-hand rule
+  Vec3 translation;             ///< m since the start
+  double angle = 0;             ///< rad since the start
+  Vec3 velocity;                ///< m/s
+  double angular_velocity = 0;  ///< rad/s
+
+  Vec3 axis_point() const { return centre + translation; }
+  /// Velocity [m/s] of the body's material at a point.
+  Vec3 velocity_at(const Vec3& x) const { return velocity + angular_velocity * cross(axis, x - axis_point()); }
+};
+
+struct RigidBody {
+  std::string name;
+  ShapePointer shape;
+  RigidPose pose;
+
+  /// Nearest surface point in the frame of the scene.
+  SurfacePoint nearest(const Vec3& x) const {
+    const Vec3 turned = rotated(x - pose.axis_point(), pose.axis, -pose.angle) + pose.centre;
+    SurfacePoint found = shape->nearest(turned);
+    found.normal = rotated(found.normal, pose.axis, pose.angle);
+    return found;
+  }
+};
+
+}  // namespace stirsph

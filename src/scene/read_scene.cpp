@@ -1,0 +1,358 @@
+/// Validated parameters -> Scene: names become indices, files are read, contradictions are refused.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <set>
+
+#include "geometry/shape_input.hpp"
+#include "scene/scene.hpp"
+
+namespace stirsph {
+namespace {
+
+using input::Parameters;
+
+std::string beside(const Parameters& p, const std::string& file) {
+  const std::filesystem::path path(file);
+  return path.is_absolute() ? file : (std::filesystem::path(p.folder()) / path).lexically_normal().string();
+}
+
+/// Index of a name in a list of named things; fails with the known names.
+template <class Named>
+int index_of(const Parameters& p, const std::string& key, const std::string& name, const std::vector<Named>& things) {
+  std::string known;
+  for (std::size_t k = 0; k < things.size(); ++k) {
+    if (things[k].name == name) return static_cast<int>(k);
+    known += (known.empty() ? "" : ", ") + things[k].name;
+  }
+  p.fail(key, "there is nothing of this name. Known: " + (known.empty() ? "none" : known) + ".");
+}
+
+template <class Named>
+void refuse_duplicate(const Parameters& p, const std::string& name, const std::vector<Named>& things) {
+  for (const Named& thing : things)
+    if (thing.name == name) p.fail("name", "the name is already taken. Give every item of a kind its own name.");
+}
+
+std::array<OptionalExpression, 3> vector_expression(const Parameters& p, const std::string& key) {
+  std::array<OptionalExpression, 3> result;
+  if (!p.has(key)) return result;
+  const Parameters table = p.table(key);
+  const char* names[] = {"x", "y", "z"};
+  for (int d = 0; d < 3; ++d)
+    if (table.has(names[d])) result[d] = table.expression(names[d]);
+  return result;
+}
+
+Vec3 unit_vector(const Parameters& p, const std::string& key) {
+  const Vec3 v = p.vector(key);
+  if (norm(v) == 0) p.fail(key, "a direction must not be the zero vector.");
+  return normalised(v);
+}
+
+std::optional<RotationScene> rotation_of(const Parameters& p) {
+  if (!p.has("rotation")) return std::nullopt;
+  const Parameters r = p.table("rotation");
+  return RotationScene{r.vector("centre"), unit_vector(r, "axis"), r.expression("rate")};
+}
+
+std::vector<bool> bodies_of(const Parameters& p, const std::vector<BodyScene>& bodies) {
+  if (!p.has("bodies")) return std::vector<bool>(bodies.size(), true);
+  std::vector<bool> chosen(bodies.size(), false);
+  for (const std::string& name : p.texts("bodies")) chosen[index_of(p, "bodies", name, bodies)] = true;
+  return chosen;
+}
+
+Kernel kernel_of(const std::string& keyword) {
+  if (keyword == WendlandC2::keyword) return WendlandC2{};
+  if (keyword == WendlandC4::keyword) return WendlandC4{};
+  if (keyword == QuinticSpline::keyword) return QuinticSpline{};
+  return CubicSpline{};
+}
+
+void read_numerics(const Parameters& root, Scene& scene) {
+  const Parameters n = root.table("numerics");
+  MechanicsSettings& m = scene.numerics;
+  m.kernel = kernel_of(n.text("kernel"));
+  m.spacing = n.real("spacing");
+  m.h_over_dx = n.real("h_over_dx");
+  m.variable_h = n.boolean("variable_h");
+  m.gradient_correction = n.boolean("gradient_correction");
+  m.viscosity_alpha = n.real("viscosity_alpha");
+  m.viscosity_beta = n.real("viscosity_beta");
+  m.density_diffusion = n.real("density_diffusion");
+  m.artificial_stress = n.real("artificial_stress");
+  m.density_scale = n.real("density_scale");
+  m.elastic_scale = n.real("elastic_scale");
+  if (n.has("density_scale_for_step")) scene.target_step = n.real("density_scale_for_step");
+  if (scene.target_step > 0 && m.density_scale != 1)
+    n.fail("density_scale_for_step", "give either density_scale or density_scale_for_step, not both.");
+  scene.skin = n.real("skin");
+  scene.repartition_imbalance = n.real("repartition_imbalance");
+}
+
+void read_time(const Parameters& root, Scene& scene) {
+  const Parameters t = root.table("time");
+  scene.time.end = t.real("end");
+  scene.time.cfl = t.real("cfl");
+  if (t.has("step")) scene.time.fixed_step = t.real("step");
+  scene.time.most_steps = t.integer("most_steps");
+  if (!scene.mechanics && scene.time.fixed_step <= 0)
+    root.fail("mechanics", "without mechanics there is no Courant number: give time.step, for example \"0.05 s\".");
+}
+
+void read_domain(const Parameters& root, Scene& scene) {
+  const Parameters d = root.table("domain");
+  scene.domain.dim = layout_of(scene.space).dim;
+  const std::vector<std::string> periodic = d.texts("periodic");
+  for (const std::string& name : periodic) {
+    const int axis = name == "x" ? 0 : name == "y" ? 1 : name == "z" ? 2 : -1;
+    if (axis < 0 || axis >= scene.domain.dim)
+      d.fail("periodic", "\"" + name + "\" is no direction of this space. Allowed: \"x\", \"y\"" +
+                             (scene.domain.dim == 3 ? ", \"z\"." : "."));
+    scene.domain.periodic[axis] = true;
+  }
+  if (periodic.empty()) return;
+  if (!d.has("low") || !d.has("high")) d.fail("periodic", "a periodic domain needs domain.low and domain.high.");
+  scene.domain.low = d.vector("low");
+  scene.domain.high = d.vector("high");
+  for (int axis = 0; axis < scene.domain.dim; ++axis)
+    if (scene.domain.periodic[axis] && scene.domain.length(axis) <= 0)
+      d.fail("high", "the periodic box must have a positive length in each periodic direction.");
+}
+
+void read_bodies(const Parameters& root, Scene& scene) {
+  struct NamedMaterial {
+    std::string name;
+  };
+  std::vector<NamedMaterial> names;
+  for (const Parameters& p : root.tables("material")) {
+    refuse_duplicate(p, p.text("name"), names);
+    names.push_back({p.text("name")});
+    const std::string file = beside(p, p.text("file"));
+    if (!std::filesystem::exists(file)) p.fail("file", "there is no such file (looked for " + file + ").");
+    scene.materials.push_back(make_material(input::parse_file(file, material_schema())));
+    scene.materials.back().name = p.text("name");
+  }
+  for (const Parameters& p : root.tables("body")) {
+    BodyScene body;
+    body.name = p.text("name");
+    refuse_duplicate(p, body.name, scene.bodies);
+    body.material = index_of(p, "material", p.text("material"), names);
+    body.shape = make_shape(p.table("shape"));
+    body.lattice_origin = p.vector("lattice_origin");
+    body.fill_margin = p.real("fill_margin");
+    body.jitter = p.real("jitter");
+    body.temperature = p.expression("temperature");
+    body.velocity = vector_expression(p, "velocity");
+    body.rotation = rotation_of(p);
+    scene.bodies.push_back(std::move(body));
+  }
+  if (scene.bodies.empty()) root.fail("body", "a scene needs at least one [[body]].");
+  for (const Parameters& p : root.tables("rigid"))
+    if (p.has("material")) index_of(p, "material", p.text("material"), names);
+}
+
+MotionScene read_motion(const Parameters& p) {
+  MotionScene motion;
+  const Parameters m = p.table("motion");
+  const std::string& type = m.text("type");
+  if (type == "velocity") {
+    motion.kind = MotionScene::Kind::Velocity;
+    motion.velocity = {m.expression("x"), m.expression("y"), m.expression("z")};
+  } else if (type == "displacement") {
+    motion.kind = MotionScene::Kind::Displacement;
+    motion.direction = unit_vector(m, "direction");
+    motion.table = TabulatedCurve::read_csv(beside(m, m.text("table")), "m");
+  } else if (type == "force") {
+    motion.kind = MotionScene::Kind::Force;
+    motion.direction = unit_vector(m, "direction");
+    motion.preload = m.real("preload");
+    motion.approach_time = m.real("approach_time");
+    motion.dwell = m.real("dwell");
+    motion.ramp_rate = m.real("ramp_rate");
+    motion.target = m.real("target");
+    motion.velocity_limit = m.real("velocity_limit");
+    if (m.has("stiffness")) motion.stiffness = m.real("stiffness");
+    motion.bandwidth = m.real("bandwidth");
+    if (motion.target < motion.preload) m.fail("target", "the target force must not be below the preload.");
+  }
+  if (p.has("rotation")) {
+    const RotationScene rotation = *rotation_of(p);
+    motion.centre = rotation.centre;
+    motion.axis = rotation.axis;
+    motion.rotation = rotation.rate;
+  }
+  if (p.has("rotation_table")) {
+    if (!p.has("rotation")) p.fail("rotation_table", "needs [rigid.rotation] for the axis; its rate is then ignored.");
+    motion.rotation_table = TabulatedCurve::read_csv(beside(p, p.text("rotation_table")), "rad/s");
+  }
+  return motion;
+}
+
+void read_rigids(const Parameters& root, Scene& scene) {
+  for (const Parameters& p : root.tables("rigid")) {
+    RigidScene rigid;
+    rigid.name = p.text("name");
+    refuse_duplicate(p, rigid.name, scene.rigids);
+    rigid.shape = make_shape(p.table("shape"));
+    rigid.motion = read_motion(p);
+    rigid.reference_point = p.vector("reference_point");
+    if (p.has("material"))
+      for (std::size_t k = 0; k < scene.materials.size(); ++k)
+        if (scene.materials[k].name == p.text("material")) rigid.material = static_cast<int>(k);
+    if (p.has("heat")) {
+      const Parameters heat = p.table("heat");
+      const std::string& role = heat.text("role");
+      rigid.heat.role = role == "fixed"    ? RigidHeatScene::Role::Fixed
+                        : role == "lumped" ? RigidHeatScene::Role::Lumped
+                                           : RigidHeatScene::Role::Insulated;
+      rigid.heat.temperature = heat.real("temperature");
+      rigid.heat.conductance = heat.boolean("perfect_contact") ? std::numeric_limits<double>::infinity()
+                                                               : heat.real("conductance");
+      rigid.heat.heat_capacity = heat.real("heat_capacity");
+      rigid.heat.ambient_conductance = heat.real("ambient_conductance");
+      rigid.heat.ambient_temperature = heat.real("ambient_temperature");
+      if (rigid.heat.role == RigidHeatScene::Role::Lumped && rigid.heat.heat_capacity <= 0)
+        heat.fail("heat_capacity", "a lumped node needs a positive heat capacity, for example \"500 J/K\".");
+      if (rigid.heat.role != RigidHeatScene::Role::Insulated && rigid.heat.conductance <= 0)
+        heat.fail("conductance", "give a positive interface conductance, or perfect_contact = true.");
+    }
+    scene.rigids.push_back(std::move(rigid));
+  }
+}
+
+void read_contacts(const Parameters& root, Scene& scene) {
+  for (const Parameters& p : root.tables("contact")) {
+    ContactScene contact;
+    contact.rigid = index_of(p, "rigid", p.text("rigid"), scene.rigids);
+    contact.bodies = bodies_of(p, scene.bodies);
+    contact.friction = p.real("friction");
+    contact.shear_limit_factor = p.real("shear_limit_factor");
+    if (p.has("shear_limit")) contact.shear_limit = p.real("shear_limit");
+    contact.penalty_scale = p.real("penalty_scale");
+    contact.soft_scale = p.real("soft_scale");
+    contact.damping = p.real("damping");
+    contact.heat_conversion = p.real("heat_conversion");
+    if (p.has("heat_share")) contact.heat_share = p.real("heat_share");
+    if (contact.penalty_scale <= 0 && contact.soft_scale <= 0)
+      p.fail("penalty_scale", "penalty_scale and soft_scale are both zero: the contact would have no stiffness.");
+    scene.contacts.push_back(std::move(contact));
+  }
+}
+
+void read_sets_and_probes(const Parameters& root, Scene& scene) {
+  for (const Parameters& p : root.tables("set")) {
+    refuse_duplicate(p, p.text("name"), scene.sets);
+    scene.sets.push_back(
+        {p.text("name"), bodies_of(p, scene.bodies), p.has("region") ? make_shape(p.table("region")) : nullptr});
+  }
+  if (scene.sets.size() > 50) root.fail("set", "at most 50 sets are possible.");
+  for (const Parameters& p : root.tables("grip")) {
+    refuse_duplicate(p, p.text("name"), scene.grips);
+    GripScene grip{p.text("name"), index_of(p, "set", p.text("set"), scene.sets), vector_expression(p, "velocity"),
+                   rotation_of(p)};
+    const bool moved = grip.velocity[0] || grip.velocity[1] || grip.velocity[2];
+    if (!moved && !grip.rotation)
+      p.fail("name", "a grip prescribes nothing: give velocity components, for example velocity = {z = \"0 m/s\"}, or a rotation.");
+    scene.grips.push_back(std::move(grip));
+  }
+  for (const Parameters& p : root.tables("probe")) {
+    ProbeScene probe;
+    refuse_duplicate(p, p.text("name"), scene.probes);
+    probe.name = p.text("name");
+    const std::map<std::string, ProbeScene::Kind> kinds{{"point", ProbeScene::Kind::Point},
+                                                        {"average", ProbeScene::Kind::Average},
+                                                        {"minimum", ProbeScene::Kind::Minimum},
+                                                        {"maximum", ProbeScene::Kind::Maximum},
+                                                        {"sum", ProbeScene::Kind::Sum},
+                                                        {"extent", ProbeScene::Kind::Extent},
+                                                        {"extruded_length", ProbeScene::Kind::ExtrudedLength}};
+    probe.kind = kinds.at(p.text("kind"));
+    probe.field = p.text("field");
+    probe.component = static_cast<int>(p.integer("component"));
+    if (p.has("set")) probe.set = index_of(p, "set", p.text("set"), scene.sets);
+    if (probe.kind == ProbeScene::Kind::Point) {
+      if (!p.has("position")) p.fail("kind", "a point probe needs position = [x, y, z].");
+      probe.position = p.vector("position");
+    }
+    if (probe.kind == ProbeScene::Kind::ExtrudedLength) {
+      if (!p.has("rigid")) p.fail("kind", "extruded_length needs the name of the rigid tool.");
+      probe.rigid = index_of(p, "rigid", p.text("rigid"), scene.rigids);
+    }
+    scene.probes.push_back(std::move(probe));
+  }
+}
+
+void read_heat_and_output(const Parameters& root, Scene& scene) {
+  const Parameters heat = root.table("heat");
+  const std::string& mode = heat.text("mode");
+  scene.heat.mode = mode == "adiabatic"    ? HeatScene::Mode::Adiabatic
+                    : mode == "conduction" ? HeatScene::Mode::Conduction
+                                           : HeatScene::Mode::Off;
+  scene.heat.every = static_cast<int>(heat.integer("every"));
+  scene.heat.relative_tolerance = heat.real("relative_tolerance");
+  scene.heat.nonlinear_iterations = static_cast<int>(heat.integer("nonlinear_iterations"));
+  scene.heat.crank_nicolson = heat.text("scheme") == "crank_nicolson";
+  if (scene.heat.mode != HeatScene::Mode::Off)
+    for (const BodyScene& body : scene.bodies)
+      if (!scene.materials[body.material].has_thermal)
+        heat.fail("mode", "the material \"" + scene.materials[body.material].name +
+                              "\" has no [thermal] table in its data file.");
+  if (!scene.mechanics && scene.heat.mode != HeatScene::Mode::Conduction)
+    root.fail("mechanics", "with mechanics = false the scene needs heat.mode = \"conduction\".");
+
+  const Parameters out = root.table("output");
+  scene.output.history_interval = out.real("history_interval");
+  scene.output.history_steps = out.integer("history_steps");
+  scene.output.snapshot_interval = out.real("snapshot_interval");
+  scene.output.checkpoint_wall = out.real("checkpoint_wall_interval");
+  scene.output.checkpoint_steps = out.integer("checkpoint_steps");
+  scene.output.progress_wall = out.real("progress_wall_interval");
+  if (out.has("fields")) scene.output.fields = out.texts("fields");
+
+  const Parameters limits = root.table("limits");
+  scene.limits.penetration = limits.real("penetration");
+  if (limits.has("speed")) scene.limits.speed = limits.real("speed");
+}
+
+Scene make_scene(const Parameters& root, const std::string& path) {
+  Scene scene;
+  scene.path = path;
+  scene.title = root.text("title");
+  if (root.text("space") == PlaneStrain::keyword) scene.space = PlaneStrain{};
+  scene.mechanics = root.boolean("mechanics");
+  scene.effective_input = root.as_toml();
+  read_numerics(root, scene);
+  read_time(root, scene);
+  read_domain(root, scene);
+  read_bodies(root, scene);
+  read_rigids(root, scene);
+  read_contacts(root, scene);
+  read_sets_and_probes(root, scene);
+  scene.body_force = vector_expression(root, "body_force");
+  read_heat_and_output(root, scene);
+  if (scene.target_step > 0) {
+    // dt = cfl h / (c/sqrt(s) + |v|): the tool's speed is not known yet, so the wave alone is scaled.
+    double fastest = 0;
+    for (const BodyScene& body : scene.bodies)
+      fastest = std::max(fastest, scene.materials[body.material].sound_speed() * std::sqrt(scene.numerics.elastic_scale));
+    const double unscaled = scene.time.cfl * scene.numerics.h_over_dx * scene.numerics.spacing / fastest;
+    scene.numerics.density_scale = std::max(1.0, std::pow(scene.target_step / unscaled, 2));
+  }
+  return scene;
+}
+
+}  // namespace
+
+Scene read_scene(const std::string& path, const std::vector<std::string>& overrides) {
+  return make_scene(input::parse_file(path, scene_schema(), overrides), path);
+}
+
+Scene read_scene_text(const std::string& text, const std::string& folder, const std::vector<std::string>& overrides) {
+  return make_scene(input::parse_text(text, "scene", scene_schema(), folder, overrides), "scene");
+}
+
+}  // namespace stirsph

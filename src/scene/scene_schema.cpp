@@ -1,0 +1,245 @@
+/// Every key of a scene file: unit, range, default, meaning. The parameter manual is printed from this.
+#include "geometry/shape_input.hpp"
+#include "scene/scene.hpp"
+
+namespace stirsph {
+namespace {
+
+using input::Schema;
+
+const std::vector<std::string> space_variables{"x", "y", "z"};
+const std::vector<std::string> space_time_variables{"t", "x", "y", "z"};
+
+/// A table with keys x, y, z, each a formula or quantity; a component not given is left alone.
+void declare_vector_expression(Schema& parent, const std::string& key, const std::string& unit,
+                               const std::vector<std::string>& variables, const std::string& doc) {
+  Schema& table = parent.table(key, doc, true);
+  for (const char* component : {"x", "y", "z"})
+    table.expression(component, variables, std::string("component ") + component).unit(unit).optional();
+}
+
+void declare_rotation(Schema& parent, const std::string& key, const std::string& doc) {
+  Schema& table = parent.table(key, doc, true);
+  table.reals("centre", "a point on the axis").unit("m").count(2, 3).by_default("[\"0 m\", \"0 m\", \"0 m\"]");
+  table.reals("axis", "direction of the axis, right-hand rule").count(3, 3).by_default("[0.0, 0.0, 1.0]");
+  table.expression("rate", {"t"}, "angular velocity, a quantity such as \"1500 rpm\" or a formula of t in rad/s")
+      .unit("rad/s");
+}
+
+const std::map<std::string, Schema>& motion_schemas() {
+  static const std::map<std::string, Schema> schemas = [] {
+    std::map<std::string, Schema> m;
+    m["fixed"] = Schema("at rest (it may still rotate)");
+    Schema velocity("prescribed velocity");
+    for (const char* component : {"x", "y", "z"})
+      velocity.expression(component, {"t"}, "velocity component").unit("m/s").by_default("0 m/s");
+    m["velocity"] = velocity;
+    Schema displacement("a table of displacement over time, for example measured on a machine");
+    displacement.text("table", "CSV file with a header such as: time [s], displacement [mm]");
+    displacement.reals("direction", "unit vector of positive displacement").count(3, 3).by_default("[0.0, 0.0, -1.0]");
+    m["displacement"] = displacement;
+    Schema force("force programme: preload, dwell, ramp, hold; the velocity follows from a PI controller");
+    force.reals("direction", "unit vector in which the force is applied").count(3, 3).by_default("[0.0, 0.0, -1.0]");
+    force.real("preload", "force held during the dwell").unit("N").positive();
+    force.real("approach_time", "time over which the preload is applied").unit("s").positive().by_default("0.2 s");
+    force.real("dwell", "time at the preload").unit("s").not_negative().by_default("0 s");
+    force.real("ramp_rate", "increase of the force after the dwell").unit("N/s").positive().by_default("500 N/s");
+    force.real("target", "force held to the end").unit("N").positive();
+    force.real("velocity_limit", "the tool never moves faster").unit("m/s").positive().by_default("1 mm/s");
+    force.real("stiffness", "axial stiffness of the billet for the controller gains; estimated when missing")
+        .unit("N/m")
+        .positive()
+        .optional();
+    force.real("bandwidth", "controller frequency over the billet's first axial frequency").range(1e-3, 10).by_default(
+        0.15);
+    m["force"] = force;
+    return m;
+  }();
+  return schemas;
+}
+
+void declare_numerics(Schema& s) {
+  Schema& n = s.table("numerics", "discretisation and stabilisation");
+  n.real("spacing", "initial particle spacing dx").unit("m").positive();
+  n.choice("kernel", {"cubic", "wendland_c2", "wendland_c4", "quintic"}, "smoothing kernel").by_default("cubic");
+  n.real("h_over_dx", "smoothing length over spacing").range(0.8, 3).by_default(1.3);
+  n.boolean("variable_h", "smoothing length follows density, h = h0 (rho0/rho)^(1/d)").by_default("false");
+  n.boolean("gradient_correction", "renormalised velocity gradient (exact for linear fields)").by_default("false");
+  n.real("viscosity_alpha", "linear artificial viscosity").not_negative().by_default(1.0);
+  n.real("viscosity_beta", "quadratic artificial viscosity").not_negative().by_default(0.0);
+  n.real("density_diffusion", "delta of the density diffusion (delta-SPH)").range(0, 1).by_default(0.0);
+  n.real("artificial_stress", "epsilon of the artificial stress against the tensile instability").range(0, 1).by_default(
+      0.0);
+  n.real("density_scale", "inertial over physical mass (mass scaling)").range(1, 1e12).by_default(1.0);
+  n.real("density_scale_for_step", "choose density_scale so that this time step is stable at the given cfl")
+      .unit("s")
+      .positive()
+      .optional();
+  n.real("elastic_scale", "factor on the elastic moduli").range(1e-6, 1).by_default(1.0);
+  n.real("skin", "margin of the pair list over the kernel support, in spacings").range(0.01, 3).by_default(0.3);
+  n.real("repartition_imbalance", "most loaded rank over mean that triggers a new partition")
+      .range(1.01, 10)
+      .by_default(1.15);
+}
+
+void declare_time(Schema& s) {
+  Schema& t = s.table("time", "time integration");
+  t.real("end", "process time at which the run ends").unit("s").positive();
+  t.real("cfl", "Courant number: dt = cfl min(h)/(c + |v|)").range(1e-4, 3).by_default(0.5);
+  t.real("step", "fixed time step; without it the step follows the Courant number").unit("s").positive().optional();
+  t.integer("most_steps", "stop after so many steps (0: no limit)").not_negative().by_default("0");
+}
+
+void declare_bodies(Schema& s) {
+  Schema& material = s.tables("material", "a material of the scene");
+  material.text("name", "name used in this file");
+  material.text("file", "material data file, relative to this file");
+
+  Schema& body = s.tables("body", "a deformable body, filled with particles");
+  body.text("name", "name used in this file and in outputs");
+  body.text("material", "name of a material");
+  body.variant("shape", "type", shape_schemas, "region that is filled with particles");
+  body.reals("lattice_origin", "particles sit at half-integer multiples of the spacing from here")
+      .unit("m")
+      .count(2, 3)
+      .by_default("[\"0 m\", \"0 m\", \"0 m\"]");
+  body.real("fill_margin", "a site is filled when it is so deep inside the shape, in spacings").range(-0.5, 0.5).by_default(
+      0.25);
+  body.real("jitter", "random offset of the sites, in spacings (for tests)").range(0, 0.45).by_default(0.0);
+  body.expression("temperature", space_variables, "initial temperature, a quantity or a formula of x, y, z in K")
+      .unit("K")
+      .by_default("293.15 K");
+  declare_vector_expression(body, "velocity", "m/s", space_variables, "initial velocity, quantities or formulas of x, y, z");
+  declare_rotation(body, "rotation", "initial rigid rotation, added to the velocity");
+}
+
+void declare_rigids(Schema& s) {
+  Schema& rigid = s.tables("rigid", "a rigid tool, die or plate: an exact surface, no particles");
+  rigid.text("name", "name used in this file and in outputs");
+  rigid.variant("shape", "type", shape_schemas, "the solid region of the body at the start");
+  rigid.variant("motion", "type", motion_schemas, "how it moves").by_default("{type = \"fixed\"}");
+  declare_rotation(rigid, "rotation", "rotation of the body about an axis that travels with it");
+  rigid.text("rotation_table", "CSV file with a header such as: time [s], rate [rpm]; replaces rotation.rate").optional();
+  rigid.text("material", "name of a material, for the split of the friction heat").optional();
+  rigid.reals("reference_point", "point of the body from which extruded length is measured")
+      .unit("m")
+      .count(2, 3)
+      .by_default("[\"0 m\", \"0 m\", \"0 m\"]");
+  Schema& heat = rigid.table("heat", "part of the body in the heat balance", true);
+  heat.choice("role", {"insulated", "fixed", "lumped"},
+              "no heat exchange, a given temperature, or one node with a heat capacity")
+      .by_default("insulated");
+  heat.real("temperature", "its (initial) temperature").unit("K").positive().by_default("293.15 K");
+  heat.real("conductance", "of the interface to the particles; not needed with perfect_contact")
+      .unit("W/m2/K")
+      .not_negative()
+      .by_default("0 W/m2/K");
+  heat.boolean("perfect_contact", "no thermal resistance at the interface").by_default("false");
+  heat.real("heat_capacity", "of the lumped node").unit("J/K").not_negative().by_default("0 J/K");
+  heat.real("ambient_conductance", "from the lumped node to the surroundings").unit("W/K").not_negative().by_default(
+      "0 W/K");
+  heat.real("ambient_temperature", "of the surroundings").unit("K").positive().by_default("293.15 K");
+}
+
+void declare_contacts(Schema& s) {
+  Schema& contact = s.tables("contact", "contact of deformable bodies with one rigid body");
+  contact.text("rigid", "name of the rigid body");
+  contact.texts("bodies", "names of the deformable bodies; all when missing").optional();
+  contact.real("friction", "Coulomb coefficient mu").not_negative().by_default(0.0);
+  contact.real("shear_limit_factor", "factor on the limit sigma_y/sqrt(3) of the friction stress").positive().by_default(
+      1.0);
+  contact.real("shear_limit", "given limit of the friction stress instead of sigma_y/sqrt(3)")
+      .unit("Pa")
+      .not_negative()
+      .optional();
+  contact.real("penalty_scale", "standard penalty stiffness over Young's modulus times dx").not_negative().by_default(0.1);
+  contact.real("soft_scale", "S_f of the soft constraint, stiffness >= S_f m/dt^2").range(0, 2).by_default(0.1);
+  contact.real("damping", "of the normal spring, fraction of critical").range(0, 1).by_default(0.0);
+  contact.real("heat_conversion", "share of friction work that becomes heat").range(0, 1).by_default(0.9);
+  contact.real("heat_share", "share of friction heat that stays in the particles; from the effusivities when missing")
+      .range(0, 1)
+      .optional();
+}
+
+void declare_sets_and_probes(Schema& s) {
+  Schema& set = s.tables("set", "a set of particles, chosen at the start");
+  set.text("name", "name used by grips and probes");
+  set.texts("bodies", "names of the deformable bodies; all when missing").optional();
+  set.variant("region", "type", shape_schemas, "only particles inside this shape; all when missing").optional();
+
+  Schema& grip = s.tables("grip", "prescribed motion of a set, with its reaction force");
+  grip.text("name", "name in the history");
+  grip.text("set", "name of the set");
+  declare_vector_expression(grip, "velocity", "m/s", space_time_variables,
+                            "prescribed velocity components, quantities or formulas of t and the initial x, y, z; others are free");
+  declare_rotation(grip, "rotation", "rigid rotation about an axis; prescribes the components across the axis");
+
+  Schema& probe = s.tables("probe", "a value recorded in the history");
+  probe.text("name", "column name");
+  probe.choice("kind", {"point", "average", "minimum", "maximum", "sum", "extent", "extruded_length"},
+               "point: kernel interpolation at a position; average .. sum: over a set; extent: largest coordinate less the "
+               "smallest; extruded_length: length of the unbroken material beyond a rigid body's reference point");
+  probe.text("field", "name of a particle field; stress also as von_mises or pressure").by_default("temperature");
+  probe.integer("component", "component of a vector or tensor field (x y z; xx yy zz xy xz yz)").range(0, 5).by_default("0");
+  probe.text("set", "name of a set; all particles when missing").optional();
+  probe.reals("position", "of a point probe").unit("m").count(2, 3).optional();
+  probe.text("rigid", "rigid body of extruded_length").optional();
+}
+
+void declare_heat_and_output(Schema& s) {
+  Schema& heat = s.table("heat", "temperature");
+  heat.choice("mode", {"off", "adiabatic", "conduction"},
+              "constant temperature, heating without conduction, or implicit conduction")
+      .by_default("off");
+  heat.integer("every", "mechanical steps per heat step").range(1, 1000000).by_default("10");
+  heat.real("relative_tolerance", "of the linear solve").range(1e-14, 0.1).by_default(1e-8);
+  heat.integer("nonlinear_iterations", "solves per heat step with k(T) and c_p(T) updated").range(1, 100).by_default("1");
+  heat.choice("scheme", {"backward_euler", "crank_nicolson"}, "time scheme of the conduction").by_default("backward_euler");
+
+  Schema& output = s.table("output", "what is written, and when");
+  output.real("history_interval", "process time between rows of history.csv; 0: see history_steps")
+      .unit("s")
+      .not_negative()
+      .by_default("0 s");
+  output.integer("history_steps", "steps between rows of history.csv (0: by history_interval)").not_negative().by_default("0");
+  output.real("snapshot_interval", "process time between snapshots; 0: first and last only")
+      .unit("s")
+      .not_negative()
+      .by_default("0 s");
+  output.texts("fields", "fields in snapshots; the usual ones when missing").optional();
+  output.real("checkpoint_wall_interval", "wall time between checkpoints; 0: off").unit("s").not_negative().by_default(
+      "600 s");
+  output.integer("checkpoint_steps", "steps between checkpoints; 0: off").not_negative().by_default("0");
+  output.real("progress_wall_interval", "wall time between progress lines").unit("s").not_negative().by_default("5 s");
+
+  Schema& limits = s.table("limits", "where the run gives up rather than going on with nonsense");
+  limits.real("penetration", "deepest contact penetration in spacings").positive().by_default(1.0);
+  limits.real("speed", "fastest particle; ten wave speeds plus ten tool speeds when missing").unit("m/s").positive().optional();
+}
+
+}  // namespace
+
+const input::Schema& scene_schema() {
+  static const Schema schema = [] {
+    Schema s("a StirSPH scene");
+    s.text("title", "one line for logs and plots").by_default("untitled");
+    s.choice("space", {"cartesian3", "plane_strain"}, "the space the scene lives in").by_default("cartesian3");
+    s.boolean("mechanics", "false: only heat is computed, particles stay where they are").by_default("true");
+    declare_numerics(s);
+    declare_time(s);
+    Schema& domain = s.table("domain", "periodic directions");
+    domain.texts("periodic", "directions that are periodic: \"x\", \"y\", \"z\"").by_default("[]");
+    domain.reals("low", "lower corner of the periodic box").unit("m").count(2, 3).optional();
+    domain.reals("high", "upper corner of the periodic box").unit("m").count(2, 3).optional();
+    declare_bodies(s);
+    declare_rigids(s);
+    declare_contacts(s);
+    declare_sets_and_probes(s);
+    declare_vector_expression(s, "body_force", "m/s2", {"t"}, "body force per physical mass, quantities or formulas of t");
+    declare_heat_and_output(s);
+    return s;
+  }();
+  return schema;
+}
+
+}  // namespace stirsph
