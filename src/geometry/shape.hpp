@@ -16,8 +16,8 @@ struct Bounds {
   Vec3 low, high;
 };
 
-/// A point's relation to a surface. Distance is positive outside the shape, negative inside; the normal is the outward unit
-/// normal of the nearest surface point (the gradient of the distance).
+/// A point's relation to a surface. Distance is positive outside the shape, negative inside; the normal is the outward
+/// unit normal of the nearest surface point (the gradient of the distance).
 struct SurfacePoint {
   double distance;  ///< m
   Vec3 normal;

@@ -64,6 +64,7 @@ std::string first_line(const std::string& message) {
     const auto colon = line.find(": ");
     if (colon != std::string::npos) line.erase(0, colon + 2);
   }
+  while (!line.empty() && line.back() == '.') line.pop_back();
   return line;
 }
 

@@ -23,6 +23,7 @@ std::string shortest(double value) {
 
 std::string toml_real(double value) {
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  if (std::isnan(value)) return "nan";
   std::string text = shortest(value);
   if (text.find_first_of(".e") == std::string::npos) return text + ".0";
   // Older TOML refuses a leading zero in the exponent: 1e-05 -> 1e-5.
