@@ -99,7 +99,7 @@ void correction(ParticleSet& particles, const PairList& pairs, double bulk_sum) 
 
 template <class K, int Dim>
 void links(const ParticleSet& particles, const PairList& pairs, double lattice_factor,
-           const std::function<void(const HeatLinks&)>& visit) {
+           const std::function<bool(const HeatLinks&)>& visit) {
   const auto volume = particles[field::volume];
   const auto conductivity = particles[field::conductivity];
   const auto scale = particles[field::conduction_correction];
@@ -127,7 +127,7 @@ void links(const ParticleSet& particles, const PairList& pairs, double lattice_f
         const double h = packed.h[k], r = packed.r[k];
         conductances[k] = coefficient[k] * (-2 * sigma / lattice_factor) * K::slope(r / h) / (power<Dim>(h) * h * r);
       }
-      visit({i, {neighbours.data(), n}, {conductances.data(), n}});
+      if (!visit({i, {neighbours.data(), n}, {conductances.data(), n}})) return;
     }
   }
 }
@@ -152,7 +152,7 @@ void update_conduction_correction(ParticleSet& particles, const PairList& pairs,
 }
 
 void visit_heat_links(const ParticleSet& particles, const PairList& pairs, const ConductionOperator& op,
-                      const std::function<void(const HeatLinks&)>& visit) {
+                      const std::function<bool(const HeatLinks&)>& visit) {
   dispatch(op.kernel, particles.layout().dim,
            [&]<class K, int Dim>() { links<K, Dim>(particles, pairs, op.lattice_factor, visit); });
 }
@@ -166,6 +166,7 @@ std::vector<double> conduction_power(const ParticleSet& particles, const PairLis
     for (std::size_t k = 0; k < row.neighbours.size(); ++k)
       sum += row.conductances[k] * (temperature[row.neighbours[k]] - temperature[row.particle]);
     result[row.particle] = sum;
+    return true;
   });
   return result;
 }

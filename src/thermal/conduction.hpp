@@ -38,10 +38,10 @@ struct HeatLinks {
 /// copies.
 void update_conduction_correction(ParticleSet& particles, const PairList& pairs, const ConductionOperator& op);
 
-/// Calls `visit` once per owned particle, in order, links to halo copies included. Reads position, volume, smoothing
-/// length, conductivity and correction of halo copies.
+/// Calls `visit` once per owned particle, in order, links to halo copies included, until it returns false. Reads
+/// position, volume, smoothing length, conductivity and correction of halo copies.
 void visit_heat_links(const ParticleSet& particles, const PairList& pairs, const ConductionOperator& op,
-                      const std::function<void(const HeatLinks&)>& visit);
+                      const std::function<bool(const HeatLinks&)>& visit);
 
 /// Heat [W] that conduction brings to each owned particle at the present temperatures, halo copies up to date.
 std::vector<double> conduction_power(const ParticleSet& particles, const PairList& pairs, const ConductionOperator& op);

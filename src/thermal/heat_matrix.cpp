@@ -47,6 +47,14 @@ void HeatMatrixWriter::sort_and_merge(std::vector<Entry>& entries) {
 void HeatMatrixWriter::store(HeatMatrix::Block& block, std::vector<Entry>& entries) {
   sort_and_merge(entries);
   if (fresh_) {
+    const std::size_t needed = block.columns.size() + entries.size();
+    if (needed > block.columns.capacity()) {
+      // Sized from the rows so far: doubling would leave up to half of the largest arrays of the program unused.
+      const double share = static_cast<double>(rows_) / static_cast<double>(row_ + 1);
+      const std::size_t guess = static_cast<std::size_t>(1.03 * static_cast<double>(needed) * std::min(share, 8.0));
+      block.columns.reserve(guess);
+      block.values.reserve(guess);
+    }
     for (const Entry& entry : entries) {
       block.columns.push_back(static_cast<int>(entry.column));
       block.values.push_back(entry.value);

@@ -82,10 +82,11 @@ struct HeatSolver::Impl {
   bool linear = true;         ///< no property depends on temperature
   LinearSolve linear_solve;
   HeatMatrix matrix;
-  std::vector<double> capacity;     ///< J/K of each particle, m times the linearised specific heat
-  std::vector<double> right, rise;  ///< J and K per row
-  std::vector<double> heat;         ///< J gained per row
-  std::vector<double> body_source;  ///< J per body, summed over ranks
+  std::uint64_t pattern_version = 0;  ///< of the pair list the pattern was made with
+  std::vector<double> capacity;       ///< J/K of each particle, m times the linearised specific heat
+  std::vector<double> right, rise;    ///< J and K per row
+  std::vector<double> heat;           ///< J gained per row
+  std::vector<double> body_source;    ///< J per body, summed over ranks
 };
 
 HeatSolver::HeatSolver(Comm comm, Kernel kernel, int dim, HeatSettings settings,
@@ -175,7 +176,9 @@ bool HeatSolver::Impl::fill(const ParticleSet& particles, const PairList& pairs,
     for (const RigidCoupling::Link& link : coupling.links(i))
       if (coupling.row_of(link.body) >= 0) writer.add_global(coupling.row_of(link.body), -weight * link.conductance);
     writer.end_row();
+    return writer.fits();
   });
+  if (!writer.fits()) return false;
 
   for (std::size_t n = 0; n < coupling.local_nodes(); ++n) {
     const std::int32_t b = coupling.nodes()[n];
@@ -197,9 +200,12 @@ bool HeatSolver::Impl::fill(const ParticleSet& particles, const PairList& pairs,
 
 void HeatSolver::Impl::assemble(const ParticleSet& particles, const PairList& pairs, const RigidCoupling& coupling,
                                 std::span<const RigidHeat> bodies, double dt) {
-  // The pattern is that of the neighbours within the support, found anew each time: as cheap as testing a list's
-  // version, and half the size of a pattern of all candidates. Only when it has changed does PETSc learn of it.
-  const bool fits = matrix.rows() > 0 && fill(particles, pairs, coupling, bodies, dt, false);
+  // The pattern holds the neighbours within the support only, half of the candidates. It is tried again while the list
+  // lives, since a fixed arrangement or a nonlinear iteration keeps it; columns are compared, so a list under which the
+  // particles have moved on is noticed.
+  const bool fits =
+      matrix.rows() > 0 && pattern_version == pairs.version() && fill(particles, pairs, coupling, bodies, dt, false);
+  pattern_version = pairs.version();
   if (comm.any(!fits)) {
     linear_solve.release_matrix();
     fill(particles, pairs, coupling, bodies, dt, true);

@@ -77,8 +77,10 @@ double lattice_conduction_factor(const Kernel& kernel, int dim, double h_over_dx
 /// Sum of V W over the particles inside such a lattice, self included (S of verification case A1).
 double lattice_kernel_sum(const Kernel& kernel, int dim, double h_over_dx);
 
-/// Extra thermal resistance, in units of dx/k, that the truncated kernel support puts between a flat surface and the
-/// first lattice layer; subtracted from the half cell dx/2 so that a wall temperature acts at the true surface.
+/// b: how much hotter the first layer of a flat lattice surface is than the continuum at its centre, in units of q
+/// dx/k, when the flux q [W/m2] enters through that layer; of the operator with its surface correction
+/// (conduction.hpp), so it may be negative. Subtracted from the half cell dx/2, it makes a wall temperature act at the
+/// true surface.
 double lattice_surface_resistance(const Kernel& kernel, int dim, double h_over_dx);
 
 }  // namespace stirsph

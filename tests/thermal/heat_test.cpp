@@ -71,6 +71,14 @@ TEST(LatticeSums, BulkFactorsOfCaseA1) {
   EXPECT_NEAR(lattice_kernel_sum(WendlandC2{}, 3, 1.5) - 1, 3.141083e-3, 1e-8);
 }
 
+/// Against an independent script's solution of the half-space of planes.
+TEST(LatticeSums, SurfaceResistance) {
+  EXPECT_NEAR(lattice_surface_resistance(CubicSpline{}, 3, 1.3), -0.0628, 6e-5);
+  EXPECT_NEAR(lattice_surface_resistance(CubicSpline{}, 3, 1.2), -0.0853, 6e-5);
+  EXPECT_NEAR(lattice_surface_resistance(WendlandC2{}, 3, 1.5), -0.0380, 6e-5);
+  EXPECT_NEAR(lattice_surface_resistance(WendlandC2{}, 3, 2.0), 0.0945, 6e-5);
+}
+
 /// A4: the operator applied to cos(k x) on a periodic lattice, over -k^2 times the field; the table is without M.
 TEST(ConductionOperator, CosineOnLatticeA4) {
   struct Case {
