@@ -1,0 +1,286 @@
+/// The time step. Start and restart live in simulation_start.cpp, state for checkpoints in simulation_state.cpp.
+#include "driver/simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "particles/field_names.hpp"
+
+namespace stirsph {
+
+template <class Work>
+void Simulation::guarded(Work&& work) {
+  try {
+    work();
+  } catch (...) {
+    if (!failure_) failure_ = std::current_exception();
+  }
+}
+
+/// One step: kick-drift-kick mechanics, then heat when it is due (first-order splitting). physics.md section 5.
+void Simulation::step() {
+  clock_.dt = clock_.next_dt;
+  const double dt = clock_.dt;
+  if (mechanics_) {
+    kick(0.5 * dt);   // v at the middle of the step
+    drift(dt);        // x at its end
+    for (std::size_t r = 0; r < rigids_.size(); ++r)
+      motions_[r].advance(rigids_[r].pose, clock_.time, dt, rigid_force_[r]);
+
+    if (list_expired_) {
+      renew_neighbours();
+    } else {
+      const ScopedTimer timer(timers_, "halo");
+      neighbourhood_->halo().exchange(particles_, Halo::Kinematic);
+    }
+    {
+      const ScopedTimer timer(timers_, "stress");
+      guarded([&] { mechanics_->update_stress(particles_, neighbourhood_->pairs(), dt); });
+    }
+    {
+      const ScopedTimer timer(timers_, "halo");
+      neighbourhood_->halo().exchange(particles_, Halo::Stress);
+    }
+    {
+      const ScopedTimer timer(timers_, "forces");
+      mechanics_->update_acceleration(particles_, neighbourhood_->pairs(), dt);
+    }
+    apply_loads(dt);
+    kick(0.5 * dt);
+  }
+  if (scene_.heat.mode != HeatScene::Mode::Off) advance_heat(dt);
+  clock_.time += dt;
+  clock_.step += 1;
+  vote();
+}
+
+bool Simulation::finished() const {
+  // The last step is cut to end on time; what is left is round-off.
+  return clock_.time >= scene_.time.end * (1 - 1e-12) ||
+         (scene_.time.most_steps > 0 && clock_.step >= scene_.time.most_steps);
+}
+
+void Simulation::kick(double dt) {
+  const ScopedTimer timer(timers_, "integration");
+  for (int d = 0; d < particles_.layout().velocity_components; ++d) {
+    double* v = particles_.component(field::velocity, d).data();
+    const double* a = particles_.component(field::acceleration, d).data();
+    for (std::size_t i = 0; i < particles_.owned(); ++i) v[i] += dt * a[i];
+  }
+}
+
+void Simulation::drift(double dt) {
+  const ScopedTimer timer(timers_, "integration");
+  for (int d = 0; d < particles_.layout().dim; ++d) {
+    double* x = particles_.component(field::position, d).data();
+    const double* v = particles_.component(field::velocity, d).data();
+    for (std::size_t i = 0; i < particles_.owned(); ++i) x[i] += dt * v[i];
+  }
+}
+
+void Simulation::renew_neighbours() {
+  const ScopedTimer timer(timers_, "neighbours");
+  const double support = comm_.max(mechanics_ ? mechanics_->support(particles_)
+                                              : scene_.numerics.h_over_dx * scene_.numerics.spacing *
+                                                    kernel_support(scene_.numerics.kernel));
+  const bool repartition = comm_.size() > 1 && neighbourhood_->imbalance() > scene_.repartition_imbalance;
+  neighbourhood_->rebuild(particles_, support, repartition);
+  list_expired_ = false;
+  if (contact_) contact_->forget_candidates();
+  collect_grip_members();
+  farthest_ = 0;
+  for (std::size_t i = 0; i < particles_.owned(); ++i)
+    farthest_ = std::max(farthest_, norm(particles_.vector_at(field::position, i)));
+}
+
+void Simulation::apply_loads(double dt) {
+  const auto& force = scene_.body_force;
+  if (force[0] || force[1] || force[2]) {
+    const ScopedTimer timer(timers_, "loads");
+    const auto mass = particles_[field::mass];
+    for (int d = 0; d < particles_.layout().velocity_components; ++d) {
+      if (!force[d]) continue;
+      // The weight is physical: a scaled inertia must not make the load heavier.
+      const double acceleration = (*force[d])({clock_.time + dt});
+      double* a = particles_.component(field::acceleration, d).data();
+      const double* v = particles_.component(field::velocity, d).data();
+      for (std::size_t i = 0; i < particles_.owned(); ++i) {
+        a[i] += acceleration / scene_.numerics.density_scale;
+        load_ledger_.body_force += mass[i] * acceleration * (v[i] + 0.5 * dt * a[i]) * dt;
+      }
+    }
+  }
+  if (contact_) {
+    const ScopedTimer timer(timers_, "contact");
+    // Twice the last speed: accelerations within the step are small against it or the step size is wrong.
+    const double travel = dt * (2 * speed_ + surface_speed());
+    contact_->apply(particles_, rigids_, dt, travel, particles_.has(field::heat_input));
+    for (std::size_t r = 0; r < rigid_heat_.size(); ++r) rigid_heat_[r].heat_input += contact_->loads()[r].heat;
+  }
+  if (!scene_.grips.empty()) {
+    const ScopedTimer timer(timers_, "loads");
+    apply_grips(dt);
+  }
+}
+
+/// Prescribed components get the acceleration that brings their velocity at the middle of the next step to the prescribed
+/// one; the force this takes is the reaction.
+void Simulation::apply_grips(double dt) {
+  grip_loads_.assign(scene_.grips.size(), {});
+  const int dim = particles_.layout().velocity_components;
+  const double next_time = clock_.time + 1.5 * dt;
+  for (std::size_t g = 0; g < scene_.grips.size(); ++g) {
+    const GripScene& grip = scene_.grips[g];
+    const double rate = grip.rotation ? grip.rotation->rate({next_time}) : 0.0;
+    for (const std::int32_t i : grip_members_[g]) {
+      const double inertia = particles_[field::mass][i] * scene_.numerics.density_scale;
+      const Vec3 x = particles_.vector_at(field::position, i), x0 = particles_.vector_at(field::initial_position, i);
+      const Vec3 v = particles_.vector_at(field::velocity, i), a = particles_.vector_at(field::acceleration, i);
+      Vec3 wanted = a;
+      if (grip.rotation) {
+        // The chord of the arc, so that the particle stays on its circle whatever the step.
+        const Vec3 arm = x - grip.rotation->centre;
+        const Vec3 chord = rotated(arm, grip.rotation->axis, rate * dt) - arm;
+        const Vec3 across = (chord / dt - v) / dt;
+        const Vec3& axis = grip.rotation->axis;
+        wanted = across - dot(across, axis) * axis + dot(a, axis) * axis;
+      }
+      for (int d = 0; d < dim; ++d)
+        if (grip.velocity[d]) wanted[d] = ((*grip.velocity[d])({next_time, x0.x, x0.y, x0.z}) - v[d]) / dt;
+      const Vec3 reaction = inertia * (wanted - a);
+      for (int d = 0; d < dim; ++d) particles_.component(field::acceleration, d)[i] = wanted[d];
+      grip_loads_[g].force += reaction;
+      grip_loads_[g].torque += cross(grip.rotation ? x - grip.rotation->centre : x, reaction);
+      load_ledger_.grips += dot(reaction, v + 0.5 * dt * wanted) * dt;
+    }
+  }
+}
+
+void Simulation::advance_heat(double dt) {
+  const ScopedTimer timer(timers_, "heat");
+  time_since_heat_ += dt;
+  if (scene_.heat.mode == HeatScene::Mode::Adiabatic) {
+    absorb_heat_at_once();
+    time_since_heat_ = 0;
+  } else if ((clock_.step + 1) % scene_.heat.every == 0 || !mechanics_) {
+    conduct(time_since_heat_);
+    time_since_heat_ = 0;
+  }
+}
+
+void Simulation::absorb_heat_at_once() {
+  auto heat = particles_[field::heat_input], temperature = particles_[field::temperature];
+  const auto mass = particles_[field::mass], material = particles_[field::material];
+  for (std::size_t i = 0; i < particles_.owned(); ++i) {
+    if (heat[i] == 0) continue;
+    const auto& specific_heat = scene_.materials[static_cast<int>(material[i])].thermal.specific_heat;
+    temperature[i] += heat[i] / (mass[i] * specific_heat(temperature[i]));
+    heat[i] = 0;
+  }
+}
+
+void Simulation::conduct(double dt) {
+  const std::vector<ContactPoint> points =
+      contact_ ? contact_->thermal_points(particles_, rigids_) : std::vector<ContactPoint>{};
+  last_heat_ = heat_->advance(particles_, neighbourhood_->pairs(), neighbourhood_->halo(), points, rigid_heat_, dt);
+  heat_ledger_.particles += last_heat_.particle_heat;
+  heat_ledger_.rigid += last_heat_.rigid_heat;
+  heat_ledger_.source += last_heat_.source_heat;
+  heat_ledger_.fixed += last_heat_.fixed_heat;
+  heat_ledger_.ambient += last_heat_.ambient_heat;
+}
+
+double Simulation::surface_speed() const {
+  double fastest = 0;
+  for (const RigidBody& rigid : rigids_) {
+    const double radius = farthest_ + norm(rigid.pose.axis_point());
+    fastest = std::max(fastest, norm(rigid.pose.velocity) + std::abs(rigid.pose.angular_velocity) * radius);
+  }
+  return fastest;
+}
+
+/// dt = C min(h)/(c + |v|max) (paper eq. 20), or the fixed step; never past the end of the process.
+double Simulation::stable_step() const {
+  double dt = scene_.time.fixed_step;
+  if (dt <= 0) dt = scene_.time.cfl * least_h_ / (mechanics_->wave_speed() + speed_);
+  const double left = scene_.time.end - clock_.time;
+  if (left <= 0) return dt;
+  return left < dt * (1 + 1e-9) ? left : dt;
+}
+
+void Simulation::vote() {
+  const ScopedTimer timer(timers_, "vote");
+  StepVote& ballot = *vote_;
+  ballot.clear();
+  if (mechanics_) {
+    guarded([&] {
+      double fastest = 0, sum = 0;
+      const int dim = particles_.layout().velocity_components;
+      std::array<const double*, 3> v{};
+      for (int d = 0; d < dim; ++d) v[d] = particles_.component(field::velocity, d).data();
+      for (std::size_t i = 0; i < particles_.owned(); ++i) {
+        double v2 = 0;
+        for (int d = 0; d < dim; ++d) v2 += v[d][i] * v[d][i];
+        fastest = std::max(fastest, v2);
+        sum += v2;
+      }
+      ballot[StepVote::Speed] = std::sqrt(fastest);
+      ballot[StepVote::Displacement] = std::sqrt(neighbourhood_->largest_displacement_squared(particles_));
+      const double limit = scene_.limits.speed > 0 ? scene_.limits.speed
+                                                   : 10 * (mechanics_->wave_speed() + surface_speed());
+      if (std::isfinite(sum) && fastest <= limit * limit) return;
+      for (std::size_t i = 0; i < particles_.owned(); ++i) {
+        const Vec3 velocity = particles_.vector_at(field::velocity, i);
+        if (std::isfinite(dot(velocity, velocity)) && norm(velocity) <= limit) continue;
+        const Vec3 x = particles_.vector_at(field::position, i);
+        throw BlowUp("particle " + std::to_string(static_cast<std::int64_t>(particles_[field::id][i])) + " at (" +
+                     std::to_string(x.x) + ", " + std::to_string(x.y) + ", " + std::to_string(x.z) +
+                     ") m has the speed " + std::to_string(norm(velocity)) + " m/s, above the limit " +
+                     std::to_string(limit) +
+                     " m/s: the computation has become unstable. Reduce time.cfl or the tool's speed, add viscosity or "
+                     "artificial stress, or raise limits.speed if the speed is real.");
+      }
+    });
+    if (mechanics_->settings().variable_h || least_h_ == 0)
+      ballot[StepVote::NegativeLength] = -mechanics_->least_smoothing_length(particles_);
+  }
+  if (contact_ && !contact_->loads().empty())
+    for (std::size_t r = 0; r < rigids_.size(); ++r) {
+      const ContactLoad& load = contact_->loads()[r];
+      for (int d = 0; d < 3; ++d) {
+        ballot.sum(6 * r + d) = load.force[d];
+        ballot.sum(6 * r + 3 + d) = load.torque[d];
+      }
+      ballot[StepVote::Penetration] = std::max(ballot[StepVote::Penetration], load.penetration);
+    }
+  ballot[StepVote::Failure] = failure_ ? 1 : 0;
+  ballot[StepVote::Stop] = requests.stop;
+  ballot[StepVote::WriteProgress] = requests.progress;
+  ballot[StepVote::WriteCheckpoint] = requests.checkpoint;
+  ballot.take();
+
+  if (ballot[StepVote::Failure] > 0) comm_.throw_together(std::exchange(failure_, nullptr));
+  requests = {ballot[StepVote::Stop] > 0, ballot[StepVote::WriteProgress] > 0, ballot[StepVote::WriteCheckpoint] > 0};
+  displacement_ = ballot[StepVote::Displacement];
+  speed_ = ballot[StepVote::Speed];
+  penetration_ = ballot[StepVote::Penetration];
+  if (ballot[StepVote::NegativeLength] > -std::numeric_limits<double>::infinity())
+    least_h_ = -ballot[StepVote::NegativeLength];
+  for (std::size_t r = 0; r < rigids_.size(); ++r)
+    for (int d = 0; d < 3; ++d) {
+      rigid_force_[r][d] = ballot.sum(6 * r + d);
+      rigid_torque_[r][d] = ballot.sum(6 * r + 3 + d);
+    }
+  if (penetration_ > scene_.limits.penetration * scene_.numerics.spacing)
+    throw BlowUp("a particle has penetrated a rigid body by " +
+                 std::to_string(penetration_ / scene_.numerics.spacing) +
+                 " spacings (limits.penetration): contact is lost. Raise penalty_scale or soft_scale, or reduce time.cfl.");
+  clock_.next_dt = stable_step();
+  // Two particles may approach by twice the largest displacement. The list must still hold after the next drift; half more
+  // than the present speed covers its acceleration.
+  list_expired_ = mechanics_ && 2 * (displacement_ + 1.5 * speed_ * clock_.next_dt) > neighbourhood_->skin();
+}
+
+}  // namespace stirsph

@@ -1,0 +1,246 @@
+/// From a scene to the first step.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "driver/simulation.hpp"
+#include "particles/field_names.hpp"
+
+namespace stirsph {
+
+Simulation::Simulation(Comm comm, Scene scene)
+    : comm_(comm), scene_(std::move(scene)), particles_(layout_of(scene_.space)) {
+  const double spacing = scene_.numerics.spacing;
+  neighbourhood_ = std::make_unique<Neighbourhood>(comm_, scene_.domain, scene_.skin * spacing);
+  if (scene_.mechanics) {
+    MechanicsSettings settings = scene_.numerics;
+    settings.heat_input = scene_.heat.mode != HeatScene::Mode::Off;
+    mechanics_ = make_mechanics(scene_.space, settings, scene_.materials);
+  }
+  if (scene_.heat.mode == HeatScene::Mode::Conduction) {
+    HeatSettings settings;
+    settings.spacing = spacing;
+    settings.smoothing_length = scene_.numerics.h_over_dx * spacing;
+    settings.relative_tolerance = scene_.heat.relative_tolerance;
+    settings.nonlinear_iterations = scene_.heat.nonlinear_iterations;
+    if (scene_.heat.crank_nicolson) settings.scheme = HeatSettings::Scheme::CrankNicolson;
+    std::vector<ThermalProperties> thermal;
+    std::vector<double> densities;
+    for (const Material& material : scene_.materials) thermal.push_back(material.thermal);
+    heat_ = std::make_unique<HeatSolver>(comm_, scene_.numerics.kernel, layout_of(scene_.space).dim, settings, thermal);
+  }
+  vote_ = std::make_unique<StepVote>(comm_, 6 * scene_.rigids.size());
+  prepare_rigids();
+  build_contact();
+  add_fields();
+}
+
+Simulation::~Simulation() = default;
+
+void Simulation::add_fields() {
+  Neighbourhood::add_fields(particles_);
+  if (mechanics_) mechanics_->add_fields(particles_);
+  if (heat_) HeatSolver::add_fields(particles_);
+  if (scene_.heat.mode != HeatScene::Mode::Off) particles_.add(field::heat_input);
+  if (!scene_.sets.empty()) particles_.add(field::sets);
+  if (!scene_.grips.empty()) particles_.add(field::initial_position);
+}
+
+BilletStiffness Simulation::billet_stiffness(const RigidScene& rigid) const {
+  BilletStiffness billet;
+  for (const ContactScene& contact : scene_.contacts) {
+    if (&scene_.rigids[contact.rigid] != &rigid) continue;
+    double low = std::numeric_limits<double>::infinity(), high = -low, volume = 0, modulus = 0, density = 0;
+    const std::vector<BodyCount> counts = count_particles(scene_);
+    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+      if (!contact.bodies[b]) continue;
+      const Material& material = scene_.materials[scene_.bodies[b].material];
+      const Bounds bounds = scene_.bodies[b].shape->bounds();
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3 point{corner & 1 ? bounds.high.x : bounds.low.x, corner & 2 ? bounds.high.y : bounds.low.y,
+                         corner & 4 ? bounds.high.z : bounds.low.z};
+        const double along = dot(point, rigid.motion.direction);
+        low = std::min(low, along);
+        high = std::max(high, along);
+      }
+      const double part = counts[b].mass / material.density;
+      volume += part;
+      modulus += part * material.youngs_modulus;
+      density += counts[b].mass;
+    }
+    const double length = high - low;
+    modulus *= scene_.numerics.elastic_scale / volume;
+    density *= scene_.numerics.density_scale / volume;
+    billet.stiffness = modulus * volume / (length * length);
+    billet.angular_frequency = 0.5 * std::numbers::pi * std::sqrt(modulus / density) / length;
+  }
+  return billet;
+}
+
+void Simulation::prepare_rigids() {
+  for (const RigidScene& rigid : scene_.rigids) {
+    BilletStiffness billet;
+    if (rigid.motion.kind == MotionScene::Kind::Force) {
+      billet = billet_stiffness(rigid);
+      if (billet.stiffness <= 0)
+        throw InputError(scene_.path + " rigid \"" + rigid.name +
+                         "\": force control needs a [[contact]] of this body with the billet it presses.");
+    }
+    motions_.emplace_back(rigid.motion, billet);
+    rigids_.push_back({rigid.name, rigid.shape, motions_.back().initial_pose()});
+    RigidHeat heat;
+    heat.role = rigid.heat.role == RigidHeatScene::Role::Fixed    ? RigidHeat::Role::FixedTemperature
+                : rigid.heat.role == RigidHeatScene::Role::Lumped ? RigidHeat::Role::LumpedNode
+                                                                  : RigidHeat::Role::Insulated;
+    heat.temperature = rigid.heat.temperature;
+    heat.heat_capacity = rigid.heat.heat_capacity;
+    heat.ambient_conductance = rigid.heat.ambient_conductance;
+    heat.ambient_temperature = rigid.heat.ambient_temperature;
+    heat.interface_conductance = rigid.heat.conductance;
+    rigid_heat_.push_back(heat);
+  }
+  rigid_force_.resize(rigids_.size());
+  rigid_torque_.resize(rigids_.size());
+}
+
+void Simulation::build_contact() {
+  if (scene_.contacts.empty()) return;
+  std::vector<ContactPair> pairs;
+  for (const ContactScene& contact : scene_.contacts) {
+    ContactPair pair;
+    pair.rigid = contact.rigid;
+    pair.bodies = contact.bodies;
+    pair.friction = contact.friction;
+    pair.shear_limit_factor = contact.shear_limit_factor;
+    pair.shear_limit = contact.shear_limit;
+    pair.penalty_scale = contact.penalty_scale;
+    pair.soft_scale = contact.soft_scale;
+    pair.damping = contact.damping;
+    pair.heat_conversion = contact.heat_conversion;
+    const int rigid_material = scene_.rigids[contact.rigid].material;
+    for (const Material& material : scene_.materials) {
+      double share = contact.heat_share;
+      if (share < 0)
+        share = rigid_material >= 0 && material.has_thermal && scene_.materials[rigid_material].has_thermal
+                    ? heat_partition(material, scene_.materials[rigid_material], 293.15)
+                    : 1.0;
+      pair.heat_share.push_back(share);
+    }
+    pairs.push_back(std::move(pair));
+  }
+  std::vector<double> moduli;
+  for (const Material& material : scene_.materials)
+    moduli.push_back(material.youngs_modulus * scene_.numerics.elastic_scale);
+  contact_ = std::make_unique<Contact>(std::move(pairs), layout_of(scene_.space).dim, scene_.numerics.spacing, moduli,
+                                       scene_.numerics.density_scale);
+}
+
+void Simulation::refuse_overlaps() {
+  if (!contact_) return;
+  // A tenth of a spacing is what a lattice that does not divide the body may need; more is a mistake in the scene.
+  const double allowed = 0.1 * scene_.numerics.spacing;
+  const auto overlaps = contact_->overlaps(particles_, rigids_);
+  comm_.together([&] {
+    for (std::size_t p = 0; p < overlaps.size(); ++p) {
+      if (overlaps[p].depth <= allowed) continue;
+      const Vec3& x = overlaps[p].position;
+      throw InputError(scene_.path + " rigid \"" + scene_.rigids[contact_->pairs()[p].rigid].name +
+                       "\": it overlaps a deformable body at the start: particle " + std::to_string(overlaps[p].id) +
+                       " at (" + std::to_string(1e3 * x.x) + ", " + std::to_string(1e3 * x.y) + ", " +
+                       std::to_string(1e3 * x.z) + ") mm is " + std::to_string(1e3 * overlaps[p].depth) +
+                       " mm deep, allowed are " + std::to_string(1e3 * allowed) +
+                       " mm. A particle's surface lies half a spacing outside its centre. Move or shrink one of them.");
+    }
+  });
+}
+
+void Simulation::refuse_coincident_particles() {
+  const double least = 0.1 * scene_.numerics.spacing;
+  const PairList& pairs = neighbourhood_->pairs();
+  comm_.together([&] {
+    for (std::size_t c = 0; c < pairs.clusters(); ++c)
+      for (std::size_t i = c * cluster_size; i < std::min((c + 1) * cluster_size, particles_.owned()); ++i) {
+        const Vec3 x = particles_.vector_at(field::position, i);
+        for (const std::int32_t j : pairs.candidates(c)) {
+          if (static_cast<std::size_t>(j) == i) continue;
+          if (norm(x - particles_.vector_at(field::position, j)) >= least) continue;
+          const auto body = [&](std::size_t k) {
+            return std::to_string(static_cast<std::int64_t>(particles_[field::id][k]));
+          };
+          throw InputError(scene_.path + ": particles " + body(i) + " and " + body(j) + " sit on each other at (" +
+                           std::to_string(1e3 * x.x) + ", " + std::to_string(1e3 * x.y) + ", " +
+                           std::to_string(1e3 * x.z) +
+                           ") mm: bodies overlap, or the periodic box is smaller than a body. Cut one shape with a "
+                           "difference, or move it.");
+        }
+      }
+  });
+}
+
+void Simulation::collect_grip_members() {
+  grip_members_.assign(scene_.grips.size(), {});
+  for (std::size_t g = 0; g < scene_.grips.size(); ++g) {
+    const auto bit = std::uint64_t(1) << scene_.grips[g].set;
+    const auto mask = particles_[field::sets];
+    for (std::size_t i = 0; i < particles_.owned(); ++i)
+      if (static_cast<std::uint64_t>(mask[i]) & bit) grip_members_[g].push_back(static_cast<std::int32_t>(i));
+  }
+}
+
+void Simulation::start() {
+  comm_.together([&] { body_counts_ = populate(scene_, comm_, particles_); });
+  particle_count_ = comm_.sum(static_cast<std::int64_t>(particles_.owned()));
+  if (mechanics_) mechanics_->initialise(particles_);
+  refuse_overlaps();
+
+  const double support = comm_.max(mechanics_ ? mechanics_->support(particles_)
+                                              : scene_.numerics.h_over_dx * scene_.numerics.spacing *
+                                                    kernel_support(scene_.numerics.kernel));
+  neighbourhood_->rebuild(particles_, support, true);
+  refuse_coincident_particles();
+  clock_.next_dt = scene_.time.fixed_step;
+  if (!mechanics_) return;
+
+  collect_grip_members();
+  for (std::size_t g = 0; g < scene_.grips.size(); ++g)
+    for (const std::int32_t i : grip_members_[g]) {
+      const GripScene& grip = scene_.grips[g];
+      const Vec3 x = particles_.vector_at(field::position, i);
+      Vec3 v = particles_.vector_at(field::velocity, i);
+      if (grip.rotation) {
+        const Vec3& axis = grip.rotation->axis;
+        v = dot(v, axis) * axis + grip.rotation->rate({0.0}) * cross(axis, x - grip.rotation->centre);
+      }
+      for (int d = 0; d < particles_.layout().velocity_components; ++d) {
+        if (grip.velocity[d]) v[d] = (*grip.velocity[d])({0.0, x.x, x.y, x.z});
+        particles_.component(field::velocity, d)[i] = v[d];
+      }
+    }
+  neighbourhood_->halo().exchange(particles_, Halo::Kinematic);
+
+  double kinetic = 0;
+  farthest_ = 0;
+  for (std::size_t i = 0; i < particles_.owned(); ++i) {
+    const Vec3 v = particles_.vector_at(field::velocity, i);
+    speed_ = std::max(speed_, norm(v));
+    farthest_ = std::max(farthest_, norm(particles_.vector_at(field::position, i)));
+    kinetic += 0.5 * particles_[field::mass][i] * scene_.numerics.density_scale * dot(v, v);
+  }
+  speed_ = comm_.max(speed_);
+  load_ledger_.initial_kinetic = comm_.sum(kinetic);
+  least_h_ = comm_.min(mechanics_->least_smoothing_length(particles_));
+  clock_.next_dt = stable_step();
+
+  // The first kick needs the initial acceleration; work and heat are counted from the first step on.
+  mechanics_->update_acceleration(particles_, neighbourhood_->pairs(), 0.0);
+  apply_loads(clock_.next_dt);
+  mechanics_->ledger() = {};
+  if (contact_) contact_->ledger() = {};
+  for (RigidHeat& heat : rigid_heat_) heat.heat_input = 0;
+  if (particles_.has(field::heat_input)) std::ranges::fill(particles_[field::heat_input], 0.0);
+  load_ledger_.body_force = load_ledger_.grips = 0;
+  vote();
+}
+
+}  // namespace stirsph

@@ -1,0 +1,126 @@
+/// Everything besides particle fields that a continued run needs.
+#include <algorithm>
+#include <bit>
+
+#include "driver/simulation.hpp"
+#include "particles/field_names.hpp"
+
+namespace stirsph {
+namespace {
+
+/// This rank's partial sums, in a fixed order for writing and reading.
+std::vector<double*> partial_sums(MechanicsLedger* mechanics, ContactLedger* contact, LoadLedger& loads,
+                                  std::vector<RigidHeat>& heat) {
+  std::vector<double*> sums{&loads.body_force, &loads.grips};
+  if (mechanics)
+    for (double* value : {&mechanics->elastic, &mechanics->plastic, &mechanics->viscous, &mechanics->diffusion,
+                          &mechanics->plastic_heat})
+      sums.push_back(value);
+  if (contact)
+    for (double* value : {&contact->external, &contact->friction, &contact->normal, &contact->friction_heat})
+      sums.push_back(value);
+  for (RigidHeat& body : heat) sums.push_back(&body.heat_input);
+  return sums;
+}
+
+}  // namespace
+
+NamedState Simulation::named_state() const {
+  NamedState state;
+  auto& self = const_cast<Simulation&>(*this);  // partial_sums hands out pointers; they are only read here
+  std::vector<double> partial;
+  for (const double* value :
+       partial_sums(mechanics_ ? &mechanics_->ledger() : nullptr, contact_ ? &contact_->ledger() : nullptr,
+                    self.load_ledger_, self.rigid_heat_))
+    partial.push_back(*value);
+  state.numbers["ranks"] = {static_cast<double>(comm_.size())};
+  state.numbers["partial_sums"] = comm_.all_gather(partial);
+  state.numbers["clock"] = {clock_.time, static_cast<double>(clock_.step), clock_.dt, clock_.next_dt};
+  state.numbers["step_state"] = {displacement_, speed_,           penetration_,
+                                 least_h_,      time_since_heat_, list_expired_ ? 1.0 : 0.0,
+                                 neighbourhood_->reach(), static_cast<double>(particle_count_)};
+  state.numbers["initial_kinetic"] = {load_ledger_.initial_kinetic};
+  state.numbers["heat_ledger"] = {heat_ledger_.particles, heat_ledger_.rigid, heat_ledger_.source, heat_ledger_.fixed,
+                                  heat_ledger_.ambient};
+  state.numbers["contact_step"] = {contact_ ? contact_->contact_step() : 0.0};
+  for (std::size_t r = 0; r < rigids_.size(); ++r) {
+    const RigidPose& pose = rigids_[r].pose;
+    std::vector<double> values{pose.angle, pose.angular_velocity, rigid_heat_[r].temperature};
+    for (const Vec3& v : {pose.translation, pose.velocity, rigid_force_[r], rigid_torque_[r]})
+      for (int d = 0; d < 3; ++d) values.push_back(v[d]);
+    state.numbers["rigid_" + rigids_[r].name] = values;
+    state.numbers["controller_" + rigids_[r].name] = motions_[r].state();
+  }
+  std::vector<double> counts;
+  for (const BodyCount& body : body_counts_) {
+    counts.push_back(static_cast<double>(body.particles));
+    counts.push_back(body.mass);
+  }
+  state.numbers["body_counts"] = counts;
+  state.texts["effective_input"] = scene_.effective_input;
+  return state;
+}
+
+void Simulation::resume(const std::string& checkpoint) {
+  const NamedState state = read_checkpoint(comm_, checkpoint, particles_);
+  const auto numbers = [&](const std::string& name, std::size_t least) -> const std::vector<double>& {
+    const auto found = state.numbers.find(name);
+    if (found == state.numbers.end() || found->second.size() < least)
+      throw InputError(checkpoint + " does not fit the scene " + scene_.path + ": it has no state \"" + name +
+                       "\". Restart with the scene the checkpoint was made with.");
+    return found->second;
+  };
+  const auto& clock = numbers("clock", 4);
+  clock_ = {clock[0], static_cast<std::int64_t>(clock[1]), clock[2], clock[3]};
+  const auto& step = numbers("step_state", 8);
+  displacement_ = step[0];
+  speed_ = step[1];
+  penetration_ = step[2];
+  least_h_ = step[3];
+  time_since_heat_ = step[4];
+  list_expired_ = step[5] != 0;
+  particle_count_ = static_cast<std::int64_t>(step[7]);
+  load_ledger_.initial_kinetic = numbers("initial_kinetic", 1)[0];
+  const auto& heat = numbers("heat_ledger", 5);
+  heat_ledger_ = {heat[0], heat[1], heat[2], heat[3], heat[4]};
+  if (contact_) contact_->contact_step() = numbers("contact_step", 1)[0];
+  for (std::size_t r = 0; r < rigids_.size(); ++r) {
+    const auto& values = numbers("rigid_" + rigids_[r].name, 15);
+    RigidPose& pose = rigids_[r].pose;
+    pose.angle = values[0];
+    pose.angular_velocity = values[1];
+    rigid_heat_[r].temperature = values[2];
+    std::size_t at = 3;
+    for (Vec3* v : {&pose.translation, &pose.velocity, &rigid_force_[r], &rigid_torque_[r]})
+      for (int d = 0; d < 3; ++d) (*v)[d] = values[at++];
+    motions_[r].restore(numbers("controller_" + rigids_[r].name, 3));
+  }
+  const auto& counts = numbers("body_counts", 2 * scene_.bodies.size());
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b)
+    body_counts_.push_back({scene_.bodies[b].name, static_cast<std::int64_t>(counts[2 * b]), counts[2 * b + 1]});
+
+  const bool same_ranks = static_cast<int>(numbers("ranks", 1)[0]) == comm_.size();
+  const auto targets = partial_sums(mechanics_ ? &mechanics_->ledger() : nullptr,
+                                    contact_ ? &contact_->ledger() : nullptr, load_ledger_, rigid_heat_);
+  const auto& partial = numbers("partial_sums", targets.size());
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    // The same rank takes its own share back; on another rank count the root takes everything.
+    *targets[k] = 0;
+    const std::size_t writers = partial.size() / targets.size();
+    for (std::size_t owner = 0; owner < writers; ++owner)
+      if (same_ranks ? static_cast<int>(owner) == comm_.rank() : comm_.is_root())
+        *targets[k] += partial[owner * targets.size() + k];
+  }
+
+  if (same_ranks)
+    neighbourhood_->restore(particles_, step[6]);
+  else
+    neighbourhood_->rebuild(particles_, step[6] - neighbourhood_->skin(), true);
+  if (contact_) contact_->forget_candidates();
+  collect_grip_members();
+  farthest_ = 0;
+  for (std::size_t i = 0; i < particles_.owned(); ++i)
+    farthest_ = std::max(farthest_, norm(particles_.vector_at(field::position, i)));
+}
+
+}  // namespace stirsph
