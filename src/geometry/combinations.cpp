@@ -28,7 +28,7 @@ SurfacePoint meet(const SurfacePoint& a, const SurfacePoint& b) {
   return distance > 0 ? SurfacePoint{distance, towards / distance} : farther;
 }
 
-constexpr std::size_t most_members = 64;  // of one combination; lets nearest() work without allocating
+constexpr std::size_t most_members = 16;  // of one combination: on the stack, because nearest() runs per contact pair
 
 /// Distance to the intersection of `count` solids; member(i) gives the distance to each.
 template <class Member>

@@ -135,13 +135,13 @@ std::vector<ShapePointer> make_all(const std::vector<Parameters>& tables) {
 
 void declare_union(Schema& s) {
   s.doc = "Several shapes together.";
-  s.variants("shapes", "type", shape_schemas, "the shapes joined").count(1, 63);
+  s.variants("shapes", "type", shape_schemas, "the shapes joined").count(1, 15);
 }
 ShapePointer make_union(const Parameters& p) { return std::make_shared<Union>(make_all(p.tables("shapes"))); }
 
 void declare_intersection(Schema& s) {
   s.doc = "What several shapes have in common: a half cylinder is a cylinder and a half space.";
-  s.variants("shapes", "type", shape_schemas, "the shapes that overlap").count(1, 63);
+  s.variants("shapes", "type", shape_schemas, "the shapes that overlap").count(1, 15);
 }
 ShapePointer make_intersection(const Parameters& p) {
   return std::make_shared<Intersection>(make_all(p.tables("shapes")));
@@ -150,7 +150,7 @@ ShapePointer make_intersection(const Parameters& p) {
 void declare_difference(Schema& s) {
   s.doc = "A shape with others cut out of it.";
   s.variant("shape", "type", shape_schemas, "the shape that is cut");
-  s.variants("remove", "type", shape_schemas, "the shapes cut out").count(1, 63);
+  s.variants("remove", "type", shape_schemas, "the shapes cut out").count(1, 15);
 }
 ShapePointer make_difference(const Parameters& p) {
   return std::make_shared<Difference>(make_shape(p.table("shape")), make_all(p.tables("remove")));

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "input/node.hpp"
+#include "input/units.hpp"
 #include "input/wording.hpp"
 
 namespace stirsph::input {
@@ -98,6 +99,7 @@ class ManualWriter {
   }
 
   void row(const Entry& entry) {
+    check_unit(entry.si_unit);
     out_ += "| `" + entry.key + "` | " + cell(type(entry)) + " | " + cell(standard(entry)) + " | " +
             cell(allowed(entry)) + " | " + cell(entry.doc) + " |\n";
   }

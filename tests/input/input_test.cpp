@@ -327,6 +327,12 @@ TEST(Manual, NamesEveryKeyWithUnitAndMeaning) {
   EXPECT_NE(text.find("`body.shape.parts`: the same kinds as `body.shape`"), std::string::npos) << text;
 }
 
+TEST(Manual, RefusesADeclarationWithoutARealUnit) {
+  Schema schema;
+  schema.real("force", "a force").unit("newtoon");
+  EXPECT_THROW(manual(schema, "Scene"), Error);
+}
+
 TEST(Expression, ConstantsAndVariables) {
   EXPECT_NEAR(Expression("2*pi", {})({}), 2 * std::numbers::pi, 1e-15);
   EXPECT_TRUE(Expression("2*pi", {"x"}).is_constant());
