@@ -117,7 +117,9 @@ void Simulation::apply_loads(double dt) {
     // Twice the last speed: accelerations within the step are small against it or the step size is wrong.
     const double travel = dt * (2 * speed_ + surface_speed());
     contact_->apply(particles_, rigids_, dt, travel, particles_.has(field::heat_input));
-    for (std::size_t r = 0; r < rigid_heat_.size(); ++r) rigid_heat_[r].heat_input += contact_->loads()[r].heat;
+    // An insulated body's share of the friction heat leaves the model with the body.
+    for (std::size_t r = 0; r < rigid_heat_.size(); ++r)
+      if (rigid_heat_[r].role != RigidHeat::Role::Insulated) rigid_heat_[r].heat_input += contact_->loads()[r].heat;
   }
   if (!scene_.grips.empty()) {
     const ScopedTimer timer(timers_, "loads");

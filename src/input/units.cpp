@@ -69,7 +69,7 @@ std::string angle_power(const Unit& unit) {
   return std::string(definition.substr(at, definition.find_first_of(" .", at) - at));
 }
 
-std::string example(double number, const std::string& unit) { return "\"" + shortest(number) + " " + unit + "\""; }
+std::string example(double number, const std::string& unit) { return in_quotes(shortest(number) + " " + unit); }
 
 }  // namespace
 

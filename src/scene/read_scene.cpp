@@ -155,9 +155,8 @@ void read_bodies(const Parameters& root, Scene& scene) {
     if (p.has("material")) index_of(p, "material", p.text("material"), names);
 }
 
-MotionScene read_motion(const Parameters& p) {
+MotionScene read_translation(const Parameters& m) {
   MotionScene motion;
-  const Parameters m = p.table("motion");
   const std::string& type = m.text("type");
   if (type == "velocity") {
     motion.kind = MotionScene::Kind::Velocity;
@@ -179,6 +178,11 @@ MotionScene read_motion(const Parameters& p) {
     motion.bandwidth = m.real("bandwidth");
     if (motion.target < motion.preload) m.fail("target", "the target force must not be below the preload.");
   }
+  return motion;
+}
+
+MotionScene read_motion(const Parameters& p) {
+  MotionScene motion = p.has("motion") ? read_translation(p.table("motion")) : MotionScene{};
   if (p.has("rotation")) {
     const RotationScene rotation = *rotation_of(p);
     motion.centre = rotation.centre;

@@ -117,7 +117,7 @@ void declare_rigids(Schema& s) {
   Schema& rigid = s.tables("rigid", "a rigid tool, die or plate: an exact surface, no particles");
   rigid.text("name", "name used in this file and in outputs");
   rigid.variant("shape", "type", shape_schemas, "the solid region of the body at the start");
-  rigid.variant("motion", "type", motion_schemas, "how it moves").by_default("{type = \"fixed\"}");
+  rigid.variant("motion", "type", motion_schemas, "how it moves; at rest when missing").optional();
   declare_rotation(rigid, "rotation", "rotation of the body about an axis that travels with it");
   rigid.text("rotation_table", "CSV file with a header such as: time [s], rate [rpm]; replaces rotation.rate").optional();
   rigid.text("material", "name of a material, for the split of the friction heat").optional();

@@ -1,0 +1,180 @@
+#include "driver/diagnostics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "driver/probes.hpp"
+#include "particles/field_names.hpp"
+
+namespace stirsph {
+
+double EnergyBalance::residual() const {
+  const double gained = kinetic - initial_kinetic + elastic + plastic + viscous + diffusion + friction + contact;
+  const double scale = std::max({std::abs(external), initial_kinetic, kinetic, plastic + friction});
+  return scale > 0 ? (gained - external) / scale : 0.0;
+}
+
+Diagnostics diagnose(const Simulation& simulation) {
+  Diagnostics d;
+  const Comm& comm = simulation.comm();
+  const Scene& scene = simulation.scene();
+  const ParticleSet& particles = simulation.particles();
+  double hottest = -std::numeric_limits<double>::infinity(), coldest = -hottest, strain = 0, inertia = 0;
+  EnergyBalance local;
+  if (particles.has(field::temperature)) {
+    for (double t : particles[field::temperature].first(particles.owned())) {
+      hottest = std::max(hottest, t);
+      coldest = std::min(coldest, t);
+    }
+  }
+  if (const Mechanics* mechanics = simulation.mechanics()) {
+    const auto mass = particles[field::mass], strength = particles[field::flow_stress],
+               plastic = particles[field::equivalent_plastic_strain], volume = particles[field::volume];
+    for (std::size_t i = 0; i < particles.owned(); ++i) {
+      const Vec3 v = particles.vector_at(field::velocity, i);
+      const double v2 = dot(v, v);
+      local.kinetic_physical += 0.5 * mass[i] * v2;
+      strain = std::max(strain, plastic[i]);
+      inertia = std::max(inertia, mass[i] / volume[i] * scene.numerics.density_scale * v2 / strength[i]);
+    }
+    local.kinetic = local.kinetic_physical * scene.numerics.density_scale;
+    const MechanicsLedger& work = const_cast<Mechanics*>(mechanics)->ledger();
+    local.elastic = work.elastic - work.diffusion;
+    local.plastic = work.plastic;
+    local.viscous = work.viscous;
+    local.diffusion = work.diffusion;
+    local.external = simulation.load_ledger().body_force + simulation.load_ledger().grips;
+  }
+  std::int64_t leaked = 0;
+  if (Contact* contact = simulation.contact(); contact && simulation.mechanics()) {
+    local.friction = contact->ledger().friction;
+    local.contact = contact->ledger().normal;
+    local.external += contact->ledger().external;
+    for (std::size_t i = 0; i < particles.owned(); ++i)
+      for (const ContactPair& pair : contact->pairs())
+        if (pair.bodies[static_cast<int>(particles[field::body][i])] &&
+            simulation.rigids()[pair.rigid].nearest(particles.vector_at(field::position, i)).distance <
+                -0.5 * scene.numerics.spacing) {
+          ++leaked;
+          break;
+        }
+  }
+  std::vector<double> sums{local.kinetic, local.kinetic_physical, local.elastic, local.plastic,
+                           local.viscous, local.diffusion,        local.friction, local.contact,
+                           local.external, static_cast<double>(leaked), static_cast<double>(particles.owned())};
+  comm.sum_in_place(sums);
+  d.energy = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6], sums[7], sums[8],
+              simulation.load_ledger().initial_kinetic};
+  d.leaked = static_cast<std::int64_t>(sums[9]) + simulation.particle_count() - static_cast<std::int64_t>(sums[10]);
+  std::vector<double> maxima{hottest, -coldest, strain, inertia};
+  comm.max_in_place(maxima);
+  d.temperature_max = maxima[0];
+  d.temperature_min = -maxima[1];
+  d.plastic_strain_max = maxima[2];
+  d.inertia_number = maxima[3];
+  d.viscous_ratio = d.energy.plastic > 0 ? d.energy.viscous / d.energy.plastic : 0.0;
+  d.probes = evaluate_probes(simulation);
+  return d;
+}
+
+int tool_index(const Scene& scene) {
+  for (std::size_t r = 0; r < scene.rigids.size(); ++r) {
+    const MotionScene& motion = scene.rigids[r].motion;
+    if (motion.kind != MotionScene::Kind::Fixed || motion.rotation) return static_cast<int>(r);
+  }
+  return -1;
+}
+
+std::vector<HistoryColumn> history_columns(const Scene& scene) {
+  std::vector<HistoryColumn> columns{{"step", "1"}, {"dt", "s"}, {"T_min", "K"}, {"T_max", "K"}};
+  if (scene.mechanics) {
+    for (const char* name : {"kinetic", "kinetic_physical", "elastic", "plastic", "viscous", "diffusion", "friction",
+                             "contact", "external_work"})
+      columns.push_back({std::string("energy.") + name, "J"});
+    for (const char* name : {"energy.residual", "kinetic_over_internal", "inertia_number", "viscous_over_plastic",
+                             "plastic_strain_max", "penetration_over_dx"})
+      columns.push_back({name, "1"});
+    columns.push_back({"speed_max", "m/s"});
+  }
+  for (const RigidScene& rigid : scene.rigids) {
+    if (scene.mechanics) {
+      for (const char* axis : {"x", "y", "z"}) columns.push_back({rigid.name + ".force_" + axis, "N"});
+      columns.push_back({rigid.name + ".torque", "N m"});
+      for (const char* axis : {"x", "y", "z"}) columns.push_back({rigid.name + ".displacement_" + axis, "m"});
+      columns.push_back({rigid.name + ".angle", "rad"});
+      columns.push_back({rigid.name + ".slip_ratio", "1"});
+      columns.push_back({rigid.name + ".friction_power", "W"});
+      columns.push_back({rigid.name + ".contact_area", "m2"});
+      if (rigid.motion.kind == MotionScene::Kind::Force) {
+        columns.push_back({rigid.name + ".target_force", "N"});
+        columns.push_back({rigid.name + ".at_velocity_limit", "1"});
+      }
+    }
+    if (rigid.heat.role != RigidHeatScene::Role::Insulated) columns.push_back({rigid.name + ".temperature", "K"});
+  }
+  for (const GripScene& grip : scene.grips) {
+    for (const char* axis : {"x", "y", "z"}) columns.push_back({grip.name + ".force_" + axis, "N"});
+    for (const char* axis : {"x", "y", "z"}) columns.push_back({grip.name + ".torque_" + axis, "N m"});
+  }
+  if (scene.heat.mode == HeatScene::Mode::Conduction)
+    for (const char* name : {"particles", "rigid", "source", "fixed", "ambient"})
+      columns.push_back({std::string("heat.") + name, "J"});
+  for (const ProbeScene& probe : scene.probes) columns.push_back({probe.name, probe_unit(scene, probe)});
+  return columns;
+}
+
+std::vector<double> history_row(const Simulation& simulation, const Diagnostics& d) {
+  const Scene& scene = simulation.scene();
+  const Comm& comm = simulation.comm();
+  std::vector<double> row{static_cast<double>(simulation.clock().step), simulation.clock().dt, d.temperature_min,
+                          d.temperature_max};
+  const auto put = [&](std::initializer_list<double> values) { row.insert(row.end(), values); };
+  if (scene.mechanics) {
+    const EnergyBalance& e = d.energy;
+    const double internal = e.elastic + e.plastic;
+    put({e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.diffusion, e.friction, e.contact, e.external,
+         e.residual(), internal > 0 ? e.kinetic / internal : 0.0, d.inertia_number, d.viscous_ratio,
+         d.plastic_strain_max, simulation.largest_penetration() / scene.numerics.spacing, simulation.largest_speed()});
+  }
+  std::vector<double> contact(4 * scene.rigids.size(), 0.0);
+  if (scene.mechanics && simulation.contact() && !simulation.contact()->loads().empty()) {
+    for (std::size_t r = 0; r < scene.rigids.size(); ++r) {
+      const ContactLoad& load = simulation.contact()->loads()[r];
+      const double values[] = {load.sliding_speed, load.surface_speed, load.friction_power, load.area};
+      std::copy(std::begin(values), std::end(values), contact.begin() + 4 * r);
+    }
+  }
+  comm.sum_in_place(contact);
+  for (std::size_t r = 0; r < scene.rigids.size(); ++r) {
+    const RigidPose& pose = simulation.rigids()[r].pose;
+    const RigidMotion& motion = simulation.motions()[r];
+    if (scene.mechanics) {
+      const Vec3 force = simulation.rigid_force(static_cast<int>(r));
+      const double* c = &contact[4 * r];
+      put({force.x, force.y, force.z, dot(simulation.rigid_torque(static_cast<int>(r)), pose.axis), pose.translation.x,
+           pose.translation.y, pose.translation.z, pose.angle, c[1] > 0 ? c[0] / c[1] : 0.0, c[2], c[3]});
+      if (motion.force_controlled())
+        put({motion.target_force(simulation.clock().time), motion.at_velocity_limit() ? 1.0 : 0.0});
+    }
+    if (scene.rigids[r].heat.role != RigidHeatScene::Role::Insulated) put({simulation.rigid_heat()[r].temperature});
+  }
+  if (!scene.grips.empty()) {
+    std::vector<double> loads(6 * scene.grips.size(), 0.0);
+    for (std::size_t g = 0; g < simulation.grip_loads().size(); ++g)
+      for (int k = 0; k < 3; ++k) {
+        loads[6 * g + k] = simulation.grip_loads()[g].force[k];
+        loads[6 * g + 3 + k] = simulation.grip_loads()[g].torque[k];
+      }
+    comm.sum_in_place(loads);
+    row.insert(row.end(), loads.begin(), loads.end());
+  }
+  if (scene.heat.mode == HeatScene::Mode::Conduction) {
+    const HeatLedger& heat = simulation.heat_ledger();
+    put({heat.particles, heat.rigid, heat.source, heat.fixed, heat.ambient});
+  }
+  row.insert(row.end(), d.probes.begin(), d.probes.end());
+  return row;
+}
+
+}  // namespace stirsph

@@ -1,0 +1,158 @@
+#include "driver/probes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "particles/field_names.hpp"
+
+namespace stirsph {
+namespace {
+
+const FieldInfo* find_field(const ParticleSet& particles, const std::string& name) {
+  for (const auto& field : particles.fields())
+    if (field->info->name == name) return field->info;
+  return nullptr;
+}
+
+/// The probed quantity of one particle.
+std::function<double(std::size_t)> value_of(const ParticleSet& particles, const ProbeScene& probe) {
+  if (probe.field == "von_mises" || probe.field == "pressure") {
+    const int components = particles.layout().stress_components;
+    std::vector<const double*> stress;
+    for (int c = 0; c < components; ++c) stress.push_back(particles.component(field::stress, c).data());
+    if (probe.field == "pressure")
+      return [stress](std::size_t i) { return -(stress[0][i] + stress[1][i] + stress[2][i]) / 3; };
+    return [stress](std::size_t i) {
+      const double mean = (stress[0][i] + stress[1][i] + stress[2][i]) / 3;
+      double sum = 0;
+      for (std::size_t c = 0; c < stress.size(); ++c) {
+        const double s = stress[c][i] - (c < 3 ? mean : 0);
+        sum += (c < 3 ? 1.5 : 3.0) * s * s;
+      }
+      return std::sqrt(sum);
+    };
+  }
+  const FieldInfo* info = find_field(particles, probe.field);
+  const double* values = particles.component(*info, probe.component).data();
+  return [values](std::size_t i) { return values[i]; };
+}
+
+bool in_set(const ParticleSet& particles, int set, std::size_t i) {
+  return set < 0 || (static_cast<std::uint64_t>(particles[field::sets][i]) >> set & 1);
+}
+
+/// Kernel interpolation with normalised weights (Shepard), so that a probe near a surface is not biased towards zero.
+double at_point(const Simulation& simulation, const ProbeScene& probe) {
+  const ParticleSet& particles = simulation.particles();
+  const auto value = value_of(particles, probe);
+  const auto h = particles[field::smoothing_length], volume = particles[field::volume];
+  const int dim = particles.layout().dim;
+  double weight_sum = 0, sum = 0;
+  for (std::size_t i = 0; i < particles.owned(); ++i) {
+    const double r = norm(particles.vector_at(field::position, i) - probe.position);
+    const double weight = std::visit(
+        [&]<class K>(const K&) {
+          return r < K::support * h[i] ? volume[i] * kernel_value<K>(r, h[i], dim) : 0.0;
+        },
+        simulation.scene().numerics.kernel);
+    weight_sum += weight;
+    sum += weight * value(i);
+  }
+  weight_sum = simulation.comm().sum(weight_sum);
+  sum = simulation.comm().sum(sum);
+  return weight_sum > 0 ? sum / weight_sum : std::numeric_limits<double>::quiet_NaN();
+}
+
+double over_set(const Simulation& simulation, const ProbeScene& probe) {
+  const ParticleSet& particles = simulation.particles();
+  const auto value = value_of(particles, probe);
+  double sum = 0, least = std::numeric_limits<double>::infinity(), most = -least;
+  std::int64_t count = 0;
+  for (std::size_t i = 0; i < particles.owned(); ++i) {
+    if (!in_set(particles, probe.set, i)) continue;
+    const double v = value(i);
+    sum += v;
+    least = std::min(least, v);
+    most = std::max(most, v);
+    ++count;
+  }
+  const Comm& comm = simulation.comm();
+  const std::int64_t all = comm.sum(count);
+  if (all == 0) return std::numeric_limits<double>::quiet_NaN();
+  switch (probe.kind) {
+    case ProbeScene::Kind::Average: return comm.sum(sum) / static_cast<double>(all);
+    case ProbeScene::Kind::Minimum: return comm.min(least);
+    case ProbeScene::Kind::Maximum: return comm.max(most);
+    case ProbeScene::Kind::Extent: {
+      const double low = comm.min(least);
+      return comm.max(most) - low;
+    }
+    default: return comm.sum(sum);
+  }
+}
+
+}  // namespace
+
+double extruded_length(const Simulation& simulation, int rigid) {
+  const Scene& scene = simulation.scene();
+  const RigidPose& pose = simulation.rigids()[rigid].pose;
+  const Vec3 face = scene.rigids[rigid].reference_point + pose.translation;
+  const Vec3 outward = -1.0 * scene.rigids[rigid].motion.direction;
+  const double spacing = scene.numerics.spacing;
+  std::vector<double> bins(4096, 0.0);
+  const ParticleSet& particles = simulation.particles();
+  for (std::size_t i = 0; i < particles.owned(); ++i) {
+    const double along = dot(particles.vector_at(field::position, i) - face, outward) / spacing;
+    if (along >= 0 && along < static_cast<double>(bins.size())) bins[static_cast<std::size_t>(along)] += 1;
+  }
+  simulation.comm().sum_in_place(bins);
+  const double fullest = *std::max_element(bins.begin(), bins.end());
+  std::size_t filled = 0;
+  while (filled < bins.size() && bins[filled] > 0 && bins[filled] >= 0.25 * fullest) ++filled;
+  return static_cast<double>(filled) * spacing;
+}
+
+std::vector<double> evaluate_probes(const Simulation& simulation) {
+  std::vector<double> values;
+  for (const ProbeScene& probe : simulation.scene().probes) switch (probe.kind) {
+      case ProbeScene::Kind::Point: values.push_back(at_point(simulation, probe)); break;
+      case ProbeScene::Kind::ExtrudedLength: values.push_back(extruded_length(simulation, probe.rigid)); break;
+      default: values.push_back(over_set(simulation, probe));
+    }
+  return values;
+}
+
+std::string probe_unit(const Scene& scene, const ProbeScene& probe) {
+  if (probe.kind == ProbeScene::Kind::ExtrudedLength) return "m";
+  if (probe.field == "von_mises" || probe.field == "pressure") return "Pa";
+  // The names are known from the declarations; a scene without that field is refused in check_probes.
+  ParticleSet all(layout_of(scene.space));
+  Neighbourhood::add_fields(all);
+  make_mechanics(scene.space, scene.numerics, scene.materials)->add_fields(all);
+  HeatSolver::add_fields(all);
+  const FieldInfo* info = find_field(all, probe.field);
+  return info ? std::string(info->unit) : "1";
+}
+
+void check_probes(const Simulation& simulation) {
+  const ParticleSet& particles = simulation.particles();
+  for (const ProbeScene& probe : simulation.scene().probes) {
+    if (probe.kind == ProbeScene::Kind::ExtrudedLength) continue;
+    if ((probe.field == "von_mises" || probe.field == "pressure") && simulation.mechanics()) continue;
+    const FieldInfo* info = find_field(particles, probe.field);
+    std::string known;
+    for (const auto& field : particles.fields()) known += (known.empty() ? "" : ", ") + std::string(field->info->name);
+    if (!info)
+      throw InputError(simulation.scene().path + " probe \"" + probe.name + "\": this scene has no field \"" +
+                       probe.field + "\". Known: " + known +
+                       (simulation.mechanics() ? ", von_mises, pressure." : "."));
+    if (probe.component >= particles.components(info->shape))
+      throw InputError(simulation.scene().path + " probe \"" + probe.name + "\": component " +
+                       std::to_string(probe.component) + " of \"" + probe.field + "\" does not exist; it has " +
+                       std::to_string(particles.components(info->shape)) + ".");
+  }
+}
+
+}  // namespace stirsph
