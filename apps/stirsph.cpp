@@ -73,7 +73,8 @@ int main(int argc, char** argv) {
     app.add_option("scene", arguments.scene, "scene file (TOML)");
     app.add_option("-P,--parameter", arguments.overrides, "override, section.key=value; may be repeated");
     app.add_option("-o,--output", arguments.run.folder, "folder for results")->capture_default_str();
-    app.add_option("--restart", arguments.run.restart, "auto (newest checkpoint of the output folder) or a checkpoint file");
+    app.add_option("--restart", arguments.run.restart,
+                   "auto (newest checkpoint of the output folder) or a checkpoint file");
     app.add_option("-t,--wall-limit", arguments.wall_limit, "save and leave before this wall time, HH:MM:SS");
     app.add_option("--petsc", arguments.petsc, "PETSc options, for example \"-heat_pc_type bjacobi\"");
     app.add_flag("-q,--quiet", arguments.run.quiet, "nothing on the console");
@@ -81,8 +82,9 @@ int main(int argc, char** argv) {
     check->add_option("scene", arguments.scene, "scene file (TOML)")->required();
     check->add_option("-P,--parameter", arguments.overrides, "override, section.key=value");
     app.add_subcommand("manual", "print the parameter manual (Markdown)");
-    app.footer("Exit codes: 0 finished, 1 internal error, 2 wrong input, 3 blow-up, 4 linear solver failed, 5 file could "
-               "not be written or read, 10 stopped and restartable.");
+    app.footer(
+        "Exit codes: 0 finished, 1 internal error, 2 wrong input, 3 blow-up, 4 linear solver failed, 5 file could "
+        "not be written or read, 10 stopped and restartable.");
     bool parsed = false;
     try {
       app.parse(argc, argv);

@@ -71,15 +71,13 @@ std::int64_t Comm::reduce(std::int64_t local, MPI_Op op) const {
 }
 
 void Comm::sum_in_place(std::vector<double>& values) const {
-  check_mpi(
-      MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, handle_),
-      "MPI_Allreduce");
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, handle_),
+            "MPI_Allreduce");
 }
 
 void Comm::max_in_place(std::vector<double>& values) const {
-  check_mpi(
-      MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, handle_),
-      "MPI_Allreduce");
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, handle_),
+            "MPI_Allreduce");
 }
 
 std::int64_t Comm::exclusive_sum(std::int64_t local) const {

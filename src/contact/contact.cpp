@@ -10,8 +10,12 @@ namespace stirsph {
 
 Contact::Contact(std::vector<ContactPair> pairs, int dim, double spacing, std::vector<double> moduli,
                  double density_scale)
-    : pairs_(std::move(pairs)), dim_(dim), spacing_(spacing), moduli_(std::move(moduli)),
-      density_scale_(density_scale), candidates_(pairs_.size()) {}
+    : pairs_(std::move(pairs)),
+      dim_(dim),
+      spacing_(spacing),
+      moduli_(std::move(moduli)),
+      density_scale_(density_scale),
+      candidates_(pairs_.size()) {}
 
 double Contact::area_of(double volume) const { return dim_ == 3 ? std::cbrt(volume * volume) : std::sqrt(volume); }
 
@@ -73,16 +77,15 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
       const double normal_force =
           std::max(0.0, stiffness * depth - 2 * pair.damping * std::sqrt(stiffness * inertia) * opening);
 
-      // Sticking is what would bring the tangential velocity to rest at the end of this kick, all other forces included:
-      // friction never reverses the slip and a held particle does not creep.
+      // Sticking is what would bring the tangential velocity to rest at the end of this kick, all other forces
+      // included: friction never reverses the slip and a held particle does not creep.
       const Vec3 coming = half_velocity + dt * acceleration - surface_velocity;
       const Vec3 slip = coming - dot(coming, n) * n;
       const double slip_speed = norm(slip);
       const double area = area_of(volume[i]);
-      const double cap = pair.shear_limit >= 0 ? pair.shear_limit
-                                               : pair.shear_limit_factor * strength[i] * std::numbers::inv_sqrt3;
-      const double friction_force =
-          std::min({pair.friction * normal_force, cap * area, inertia * slip_speed / dt});
+      const double cap =
+          pair.shear_limit >= 0 ? pair.shear_limit : pair.shear_limit_factor * strength[i] * std::numbers::inv_sqrt3;
+      const double friction_force = std::min({pair.friction * normal_force, cap * area, inertia * slip_speed / dt});
       Vec3 force = normal_force * n;
       if (slip_speed > 0) force -= friction_force / slip_speed * slip;
       for (int d = 0; d < dim_; ++d) a[d][i] += force[d] / inertia;

@@ -1,5 +1,5 @@
-/// Contact of particles with rigid bodies: penalty force with a soft-constraint floor (paper eqs 10-11), Coulomb friction
-/// limited by the shear strength (eq. 12), friction heat and its split (eqs 14-15).
+/// Contact of particles with rigid bodies: penalty force with a soft-constraint floor (paper eqs 10-11), Coulomb
+/// friction limited by the shear strength (eq. 12), friction heat and its split (eqs 14-15).
 #pragma once
 
 #include <cstdint>
@@ -27,35 +27,35 @@ struct ContactPair {
 
 /// What one rigid body felt in the last step, on this rank.
 struct ContactLoad {
-  Vec3 force;                    ///< N, of the particles on the body
-  Vec3 torque;                   ///< N m, about the body's axis point
-  double friction_power = 0;     ///< W dissipated by sliding
-  double sliding_speed = 0;      ///< sum over touching particles of |v_t| [m/s]
-  double surface_speed = 0;      ///< sum over touching particles of the body's own tangential speed there [m/s]
-  double area = 0;               ///< m2 in contact
-  double penetration = 0;        ///< m, deepest
-  double heat = 0;               ///< J of friction heat into the body in this step
+  Vec3 force;                 ///< N, of the particles on the body
+  Vec3 torque;                ///< N m, about the body's axis point
+  double friction_power = 0;  ///< W dissipated by sliding
+  double sliding_speed = 0;   ///< sum over touching particles of |v_t| [m/s]
+  double surface_speed = 0;   ///< sum over touching particles of the body's own tangential speed there [m/s]
+  double area = 0;            ///< m2 in contact
+  double penetration = 0;     ///< m, deepest
+  double heat = 0;            ///< J of friction heat into the body in this step
 };
 
 /// Work of this rank since the start [J].
 struct ContactLedger {
-  double external = 0;   ///< done by the moving rigid bodies on the particles
-  double friction = 0;   ///< dissipated by sliding
-  double normal = 0;     ///< stored in (and damped by) the penalty springs
+  double external = 0;       ///< done by the moving rigid bodies on the particles
+  double friction = 0;       ///< dissipated by sliding
+  double normal = 0;         ///< stored in (and damped by) the penalty springs
   double friction_heat = 0;  ///< put into particles
 };
 
 class Contact {
  public:
-  /// `spacing` [m]; a particle's surface lies spacing/2 outside its centre. `moduli`: Young's modulus per material [Pa].
-  /// `density_scale`: inertial over physical mass.
+  /// `spacing` [m]; a particle's surface lies spacing/2 outside its centre. `moduli`: Young's modulus per material
+  /// [Pa]. `density_scale`: inertial over physical mass.
   Contact(std::vector<ContactPair> pairs, int dim, double spacing, std::vector<double> moduli, double density_scale);
 
   /// Local indices are no longer valid (the particles were reordered).
   void forget_candidates() { candidates_valid_ = false; }
 
-  /// Adds contact accelerations to the field `acceleration`, which must already hold all other forces, and friction heat.
-  /// `travel` [m]: upper bound of how far any particle or body surface moved since the last call. dt [s].
+  /// Adds contact accelerations to the field `acceleration`, which must already hold all other forces, and friction
+  /// heat. `travel` [m]: upper bound of how far any particle or body surface moved since the last call. dt [s].
   void apply(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel, bool heat_input);
 
   /// Particles in thermal contact now: the surface is within a quarter spacing of touching. Normals and areas included.

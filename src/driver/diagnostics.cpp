@@ -60,12 +60,20 @@ Diagnostics diagnose(const Simulation& simulation) {
           break;
         }
   }
-  std::vector<double> sums{local.kinetic, local.kinetic_physical, local.elastic, local.plastic,
-                           local.viscous, local.diffusion,        local.friction, local.contact,
-                           local.external, static_cast<double>(leaked), static_cast<double>(particles.owned())};
+  std::vector<double> sums{local.kinetic,
+                           local.kinetic_physical,
+                           local.elastic,
+                           local.plastic,
+                           local.viscous,
+                           local.diffusion,
+                           local.friction,
+                           local.contact,
+                           local.external,
+                           static_cast<double>(leaked),
+                           static_cast<double>(particles.owned())};
   comm.sum_in_place(sums);
-  d.energy = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6], sums[7], sums[8],
-              simulation.load_ledger().initial_kinetic};
+  d.energy = {sums[0], sums[1], sums[2], sums[3], sums[4],
+              sums[5], sums[6], sums[7], sums[8], simulation.load_ledger().initial_kinetic};
   d.leaked = static_cast<std::int64_t>(sums[9]) + simulation.particle_count() - static_cast<std::int64_t>(sums[10]);
   std::vector<double> maxima{hottest, -coldest, strain, inertia};
   comm.max_in_place(maxima);

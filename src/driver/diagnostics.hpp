@@ -9,12 +9,13 @@
 
 namespace stirsph {
 
-/// Energies over all ranks [J]. Signs: everything the particles gained or dissipated is positive, work done on them too.
+/// Energies over all ranks [J]. Signs: everything the particles gained or dissipated is positive, work done on them
+/// too.
 struct EnergyBalance {
   double kinetic = 0;           ///< with scaled inertia
   double kinetic_physical = 0;  ///< with physical mass
   double elastic = 0, plastic = 0, viscous = 0, diffusion = 0, friction = 0, contact = 0;
-  double external = 0;          ///< by rigid bodies, body force and grips
+  double external = 0;  ///< by rigid bodies, body force and grips
   double initial_kinetic = 0;
   /// (gained + dissipated - work done)/(largest of the energies involved); zero before anything happened.
   double residual() const;

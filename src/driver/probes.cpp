@@ -53,9 +53,7 @@ double at_point(const Simulation& simulation, const ProbeScene& probe) {
   for (std::size_t i = 0; i < particles.owned(); ++i) {
     const double r = norm(particles.vector_at(field::position, i) - probe.position);
     const double weight = std::visit(
-        [&]<class K>(const K&) {
-          return r < K::support * h[i] ? volume[i] * kernel_value<K>(r, h[i], dim) : 0.0;
-        },
+        [&]<class K>(const K&) { return r < K::support * h[i] ? volume[i] * kernel_value<K>(r, h[i], dim) : 0.0; },
         simulation.scene().numerics.kernel);
     weight_sum += weight;
     sum += weight * value(i);
@@ -82,14 +80,18 @@ double over_set(const Simulation& simulation, const ProbeScene& probe) {
   const std::int64_t all = comm.sum(count);
   if (all == 0) return std::numeric_limits<double>::quiet_NaN();
   switch (probe.kind) {
-    case ProbeScene::Kind::Average: return comm.sum(sum) / static_cast<double>(all);
-    case ProbeScene::Kind::Minimum: return comm.min(least);
-    case ProbeScene::Kind::Maximum: return comm.max(most);
+    case ProbeScene::Kind::Average:
+      return comm.sum(sum) / static_cast<double>(all);
+    case ProbeScene::Kind::Minimum:
+      return comm.min(least);
+    case ProbeScene::Kind::Maximum:
+      return comm.max(most);
     case ProbeScene::Kind::Extent: {
       const double low = comm.min(least);
       return comm.max(most) - low;
     }
-    default: return comm.sum(sum);
+    default:
+      return comm.sum(sum);
   }
 }
 
@@ -117,9 +119,14 @@ double extruded_length(const Simulation& simulation, int rigid) {
 std::vector<double> evaluate_probes(const Simulation& simulation) {
   std::vector<double> values;
   for (const ProbeScene& probe : simulation.scene().probes) switch (probe.kind) {
-      case ProbeScene::Kind::Point: values.push_back(at_point(simulation, probe)); break;
-      case ProbeScene::Kind::ExtrudedLength: values.push_back(extruded_length(simulation, probe.rigid)); break;
-      default: values.push_back(over_set(simulation, probe));
+      case ProbeScene::Kind::Point:
+        values.push_back(at_point(simulation, probe));
+        break;
+      case ProbeScene::Kind::ExtrudedLength:
+        values.push_back(extruded_length(simulation, probe.rigid));
+        break;
+      default:
+        values.push_back(over_set(simulation, probe));
     }
   return values;
 }
@@ -146,8 +153,7 @@ void check_probes(const Simulation& simulation) {
     for (const auto& field : particles.fields()) known += (known.empty() ? "" : ", ") + std::string(field->info->name);
     if (!info)
       throw InputError(simulation.scene().path + " probe \"" + probe.name + "\": this scene has no field \"" +
-                       probe.field + "\". Known: " + known +
-                       (simulation.mechanics() ? ", von_mises, pressure." : "."));
+                       probe.field + "\". Known: " + known + (simulation.mechanics() ? ", von_mises, pressure." : "."));
     if (probe.component >= particles.components(info->shape))
       throw InputError(simulation.scene().path + " probe \"" + probe.name + "\": component " +
                        std::to_string(probe.component) + " of \"" + probe.field + "\" does not exist; it has " +

@@ -16,8 +16,8 @@ std::string probe_unit(const Scene& scene, const ProbeScene& probe);
 /// Throws InputError for probes of fields the scene does not have.
 void check_probes(const Simulation& simulation);
 
-/// Length [m] of unbroken material beyond a rigid body's reference point, against its direction of motion: bins one spacing
-/// wide, counted while each holds at least a quarter as many particles as the fullest. Collective.
+/// Length [m] of unbroken material beyond a rigid body's reference point, against its direction of motion: bins one
+/// spacing wide, counted while each holds at least a quarter as many particles as the fullest. Collective.
 double extruded_length(const Simulation& simulation, int rigid);
 
 }  // namespace stirsph

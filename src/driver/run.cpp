@@ -36,7 +36,10 @@ void remember_signal(int number) { stop_signal = number; }
 class Run {
  public:
   Run(const Comm& comm, const Scene& scene, const RunOptions& options)
-      : comm_(comm), options_(options), simulation_(comm, scene), snapshots_(comm, options.folder, scene.output.fields),
+      : comm_(comm),
+        options_(options),
+        simulation_(comm, scene),
+        snapshots_(comm, options.folder, scene.output.fields),
         began_(wall_seconds()) {}
 
   ExitCode execute();
@@ -126,9 +129,8 @@ void Run::begin() {
   comm_.together([&] { check_probes(simulation_); });
   if (checkpoint.empty()) {
     simulation_.start();
-    comm_.together([&] {
-      history_ = History::begin(comm_.is_root(), options_.folder + "/history.csv", history_columns(scene));
-    });
+    comm_.together(
+        [&] { history_ = History::begin(comm_.is_root(), options_.folder + "/history.csv", history_columns(scene)); });
     record_history();
     write_snapshot();
   } else {
@@ -223,16 +225,19 @@ void Run::print_header() const {
   const Scene& scene = simulation_.scene();
   std::string bodies;
   for (const BodyCount& body : simulation_.body_counts())
-    bodies += fmt::format("{}{}: {} particles, {:.4g} kg", bodies.empty() ? "" : "; ", body.name, body.particles, body.mass);
+    bodies +=
+        fmt::format("{}{}: {} particles, {:.4g} kg", bodies.empty() ? "" : "; ", body.name, body.particles, body.mass);
   std::int64_t bytes = static_cast<std::int64_t>(simulation_.particles().bytes() + simulation_.neighbourhood().bytes() +
                                                  (simulation_.mechanics() ? simulation_.mechanics()->bytes() : 0));
   bytes = comm_.sum(bytes);
   log::info(version_text());
-  log::info(fmt::format("scene: {} ({}), space {}, {} ranks", scene.path, scene.title, keyword_of(scene.space), comm_.size()));
+  log::info(fmt::format("scene: {} ({}), space {}, {} ranks", scene.path, scene.title, keyword_of(scene.space),
+                        comm_.size()));
   log::info(fmt::format("bodies: {}", bodies));
   if (scene.mechanics)
     log::info(fmt::format(
-        "dt {:.4g} s from {}; wave speed {:.4g} m/s (density scale {:.4g}, elastic scale {:.4g}); {:.0f} B per particle",
+        "dt {:.4g} s from {}; wave speed {:.4g} m/s (density scale {:.4g}, elastic scale {:.4g}); {:.0f} B per "
+        "particle",
         simulation_.clock().next_dt, scene.time.fixed_step > 0 ? "time.step" : "the Courant number",
         simulation_.mechanics()->wave_speed(), scene.numerics.density_scale, scene.numerics.elastic_scale,
         static_cast<double>(bytes) / static_cast<double>(std::max<std::int64_t>(1, simulation_.particle_count()))));
@@ -248,14 +253,16 @@ void Run::print_progress() {
   const Scene& scene = simulation_.scene();
   const Clock& clock = simulation_.clock();
   const double done = (clock.time - first_time_) / std::max(1e-300, scene.time.end - first_time_);
-  const double rate = static_cast<double>(clock.step - first_step_) * static_cast<double>(simulation_.particle_count()) / elapsed();
+  const double rate =
+      static_cast<double>(clock.step - first_step_) * static_cast<double>(simulation_.particle_count()) / elapsed();
   const int tool = tool_index(scene);
   const Vec3 force = tool >= 0 ? simulation_.rigid_force(tool) : Vec3{};
   const double torque = tool >= 0 ? dot(simulation_.rigid_torque(tool), simulation_.rigids()[tool].pose.axis) : 0.0;
   const double along = tool >= 0 ? -dot(force, scene.rigids[tool].motion.direction) : 0.0;
   const double internal = d.energy.elastic + d.energy.plastic;
   log::info(fmt::format(
-      "{:>9} {:>11.5g} {:>9.3g} {:>8.1f} {:>8.0f} {:>9.3g} {:>7.1f} {:>10.4g} {:>9.4g} {:>8.2g} {:>8.2g} {:>7.3f} {:>6.2f}{}",
+      "{:>9} {:>11.5g} {:>9.3g} {:>8.1f} {:>8.0f} {:>9.3g} {:>7.1f} {:>10.4g} {:>9.4g} {:>8.2g} {:>8.2g} {:>7.3f} "
+      "{:>6.2f}{}",
       clock.step, clock.time, clock.dt, elapsed(), done > 0 ? elapsed() * (1 / done - 1) : 0.0, rate, d.temperature_max,
       along, torque, internal > 0 ? d.energy.kinetic / internal : 0.0, d.inertia_number,
       simulation_.largest_penetration() / scene.numerics.spacing, imbalance,
@@ -267,18 +274,22 @@ void Run::print_report(const Diagnostics& d) {
   const EnergyBalance& e = d.energy;
   log::info(fmt::format("t = {:.6g} s after {} steps, {:.1f} s wall", clock.time, clock.step, elapsed()));
   if (simulation_.mechanics()) {
-    log::info(fmt::format("energy [J]: kinetic {:.4g} (physical {:.3g}), elastic {:.4g}, plastic {:.4g}, viscous {:.4g}, "
-                          "density diffusion {:.4g}, friction {:.4g}, contact {:.4g}, external work {:.4g}",
-                          e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.diffusion, e.friction,
-                          e.contact, e.external));
-    log::info(fmt::format("energy residual {:.3g}; viscous/plastic dissipation {:.3g}; inertia number {:.3g}; leaked particles {}",
-                          e.residual(), d.viscous_ratio, d.inertia_number, d.leaked));
+    log::info(
+        fmt::format("energy [J]: kinetic {:.4g} (physical {:.3g}), elastic {:.4g}, plastic {:.4g}, viscous {:.4g}, "
+                    "density diffusion {:.4g}, friction {:.4g}, contact {:.4g}, external work {:.4g}",
+                    e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.diffusion, e.friction, e.contact,
+                    e.external));
+    log::info(fmt::format(
+        "energy residual {:.3g}; viscous/plastic dissipation {:.3g}; inertia number {:.3g}; leaked particles {}",
+        e.residual(), d.viscous_ratio, d.inertia_number, d.leaked));
     log::info(fmt::format("list rebuilds: {}", simulation_.neighbourhood().rebuilds()));
   }
   if (simulation_.scene().heat.mode == HeatScene::Mode::Conduction) {
     const HeatLedger& heat = simulation_.heat_ledger();
-    log::info(fmt::format("heat [J]: sources {:.4g} = particles {:.4g} + lumped bodies {:.4g} + fixed bodies {:.4g} + surroundings {:.4g}",
-                          heat.source, heat.particles, heat.rigid, heat.fixed, heat.ambient));
+    log::info(
+        fmt::format("heat [J]: sources {:.4g} = particles {:.4g} + lumped bodies {:.4g} + fixed bodies {:.4g} + "
+                    "surroundings {:.4g}",
+                    heat.source, heat.particles, heat.rigid, heat.fixed, heat.ambient));
   }
   for (const auto& [phase, seconds] : simulation_.timers().seconds()) {
     const double least = comm_.min(seconds), most = comm_.max(seconds), mean = comm_.sum(seconds) / comm_.size();
@@ -292,13 +303,14 @@ void Run::write_summary(const Diagnostics& d) {
   double tube = 0;
   for (std::size_t k = 0; k < scene.probes.size(); ++k)
     if (scene.probes[k].kind == ProbeScene::Kind::ExtrudedLength) tube = d.probes[k];
-  write_text_file(options_.folder + "/summary.json",
-                  fmt::format("{{\"wall_s\": {:.3f}, \"steps\": {}, \"time_s\": {:.9g}, \"particles\": {}, \"ranks\": {}, "
-                              "\"tube_length_mm\": {:.4g}, \"T_max_K\": {:.6g}, \"lost_particles\": {}, "
-                              "\"energy_residual\": {:.4g}, \"inertia_number\": {:.4g}, \"spacing_mm\": {:.6g}}}\n",
-                              elapsed(), simulation_.clock().step, simulation_.clock().time,
-                              simulation_.particle_count(), comm_.size(), 1e3 * tube, d.temperature_max, d.leaked,
-                              d.energy.residual(), d.inertia_number, 1e3 * scene.numerics.spacing));
+  write_text_file(
+      options_.folder + "/summary.json",
+      fmt::format("{{\"wall_s\": {:.3f}, \"steps\": {}, \"time_s\": {:.9g}, \"particles\": {}, \"ranks\": {}, "
+                  "\"tube_length_mm\": {:.4g}, \"T_max_K\": {:.6g}, \"lost_particles\": {}, "
+                  "\"energy_residual\": {:.4g}, \"inertia_number\": {:.4g}, \"spacing_mm\": {:.6g}}}\n",
+                  elapsed(), simulation_.clock().step, simulation_.clock().time, simulation_.particle_count(),
+                  comm_.size(), 1e3 * tube, d.temperature_max, d.leaked, d.energy.residual(), d.inertia_number,
+                  1e3 * scene.numerics.spacing));
 }
 
 }  // namespace
@@ -309,8 +321,8 @@ void install_stop_signals() {
 }
 
 std::string version_text() {
-  return fmt::format("StirSPH {} (commit {}), g++ {}, {} SIMD lanes", STIRSPH_VERSION,
-                     STIRSPH_COMMIT, __VERSION__, lanes);
+  return fmt::format("StirSPH {} (commit {}), g++ {}, {} SIMD lanes", STIRSPH_VERSION, STIRSPH_COMMIT, __VERSION__,
+                     lanes);
 }
 
 ExitCode run_scene(const Comm& comm, const Scene& scene, const RunOptions& options) {

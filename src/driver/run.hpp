@@ -16,8 +16,8 @@ struct RunOptions {
   bool quiet = false;          ///< no console output
 };
 
-/// Runs a scene to its end. Collective. Returns Finished or Stopped; throws an Error with its exit code otherwise, after
-/// saving what can be saved.
+/// Runs a scene to its end. Collective. Returns Finished or Stopped; throws an Error with its exit code otherwise,
+/// after saving what can be saved.
 ExitCode run_scene(const Comm& comm, const Scene& scene, const RunOptions& options);
 
 /// Version line of the program: version, commit, compiler, libraries.

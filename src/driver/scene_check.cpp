@@ -40,7 +40,8 @@ std::string check_scene(const Comm& comm, const Scene& scene) {
   line("contact", fmt::format("{} ({} pairs)", on(!scene.contacts.empty()), scene.contacts.size()));
   if (scene.mechanics) {
     const MechanicsSettings& n = scene.numerics;
-    line("gradient correction", on(n.gradient_correction));
+    const char* correction[] = {"off", "velocity gradient", "velocity gradient and momentum"};
+    line("gradient correction", correction[static_cast<int>(n.gradient_correction)]);
     line("density diffusion", on(n.density_diffusion > 0));
     line("artificial stress", on(n.artificial_stress > 0));
     line("variable h", on(n.variable_h));
@@ -53,10 +54,11 @@ std::string check_scene(const Comm& comm, const Scene& scene) {
   const double dt = simulation.clock().next_dt, steps = std::ceil(scene.time.end / dt);
   if (scene.mechanics) {
     const double waves = simulation.mechanics()->wave_speed(), speed = simulation.largest_speed();
-    line("time step", fmt::format("{:.5g} s from {}", dt,
-                                  scene.time.fixed_step > 0 ? std::string("time.step")
-                                                            : fmt::format("cfl {} h/(c + |v|), c = {:.5g} m/s, |v| = {:.4g} m/s",
-                                                                          scene.time.cfl, waves, speed)));
+    line("time step",
+         fmt::format("{:.5g} s from {}", dt,
+                     scene.time.fixed_step > 0 ? std::string("time.step")
+                                               : fmt::format("cfl {} h/(c + |v|), c = {:.5g} m/s, |v| = {:.4g} m/s",
+                                                             scene.time.cfl, waves, speed)));
     const double limit = scene.numerics.h_over_dx * scene.numerics.spacing / waves;
     if (scene.time.fixed_step > 0)
       line("", fmt::format("cfl of this step: {:.3g}{}", dt / limit,
@@ -71,16 +73,17 @@ std::string check_scene(const Comm& comm, const Scene& scene) {
           if (std::isfinite(value)) radius = std::max(radius, std::abs(value - rigid.pose.centre.x));
         const double rim = std::abs(rigid.pose.angular_velocity) * radius;
         line("rim of " + rigid.name,
-             fmt::format("{:.4g} m/s = {:.3g} wave speeds, {:.3g} spacings per step{}", rim, rim / waves,
-                         rim * dt / scene.numerics.spacing,
-                         rim * dt > 0.25 * scene.numerics.spacing ? "  warning: more than a quarter spacing per step" : ""));
+             fmt::format(
+                 "{:.4g} m/s = {:.3g} wave speeds, {:.3g} spacings per step{}", rim, rim / waves,
+                 rim * dt / scene.numerics.spacing,
+                 rim * dt > 0.25 * scene.numerics.spacing ? "  warning: more than a quarter spacing per step" : ""));
       }
   } else {
     line("time step", fmt::format("{:.5g} s (heat only)", dt));
   }
-  line("steps", fmt::format("{:.0f}", scene.time.most_steps > 0
-                                          ? std::min(steps, static_cast<double>(scene.time.most_steps))
-                                          : steps));
+  line("steps",
+       fmt::format("{:.0f}",
+                   scene.time.most_steps > 0 ? std::min(steps, static_cast<double>(scene.time.most_steps)) : steps));
   const double seconds = measured_step(simulation);
   double bytes = static_cast<double>(simulation.particles().bytes() + simulation.neighbourhood().bytes() +
                                      (simulation.mechanics() ? simulation.mechanics()->bytes() : 0));
@@ -88,8 +91,9 @@ std::string check_scene(const Comm& comm, const Scene& scene) {
   line("memory", fmt::format("{:.4g} MB in {} ranks, {:.0f} B per particle (heat matrix not counted)", bytes / 1e6,
                              comm.size(), bytes / particles));
   const double count = scene.time.most_steps > 0 ? std::min(steps, static_cast<double>(scene.time.most_steps)) : steps;
-  line("predicted wall time", fmt::format("{:.4g} s on {} ranks ({:.3g} s per step, {:.3g} particle-steps/s, measured now)",
-                                          seconds * count, comm.size(), seconds, particles / seconds));
+  line("predicted wall time",
+       fmt::format("{:.4g} s on {} ranks ({:.3g} s per step, {:.3g} particle-steps/s, measured now)", seconds * count,
+                   comm.size(), seconds, particles / seconds));
   return text;
 }
 

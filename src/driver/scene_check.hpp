@@ -8,8 +8,8 @@
 
 namespace stirsph {
 
-/// Space, modules on and off, particles, step and what limits it, memory, predicted wall time (from a short measurement of the
-/// pair sweeps on this machine). Builds the initial state, so errors of the scene show here too. Collective.
+/// Space, modules on and off, particles, step and what limits it, memory, predicted wall time (from a short measurement
+/// of the pair sweeps on this machine). Builds the initial state, so errors of the scene show here too. Collective.
 std::string check_scene(const Comm& comm, const Scene& scene);
 
 /// The parameter manual of scene and material files, Markdown.

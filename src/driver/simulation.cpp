@@ -24,8 +24,8 @@ void Simulation::step() {
   clock_.dt = clock_.next_dt;
   const double dt = clock_.dt;
   if (mechanics_) {
-    kick(0.5 * dt);   // v at the middle of the step
-    drift(dt);        // x at its end
+    kick(0.5 * dt);  // v at the middle of the step
+    drift(dt);       // x at its end
     for (std::size_t r = 0; r < rigids_.size(); ++r)
       motions_[r].advance(rigids_[r].pose, clock_.time, dt, rigid_force_[r]);
 
@@ -127,8 +127,8 @@ void Simulation::apply_loads(double dt) {
   }
 }
 
-/// Prescribed components get the acceleration that brings their velocity at the middle of the next step to the prescribed
-/// one; the force this takes is the reaction.
+/// Prescribed components get the acceleration that brings their velocity at the middle of the next step to the
+/// prescribed one; the force this takes is the reaction.
 void Simulation::apply_grips(double dt) {
   grip_loads_.assign(scene_.grips.size(), {});
   const int dim = particles_.layout().velocity_components;
@@ -230,8 +230,8 @@ void Simulation::vote() {
       }
       ballot[StepVote::Speed] = std::sqrt(fastest);
       ballot[StepVote::Displacement] = std::sqrt(neighbourhood_->largest_displacement_squared(particles_));
-      const double limit = scene_.limits.speed > 0 ? scene_.limits.speed
-                                                   : 10 * (mechanics_->wave_speed() + surface_speed());
+      const double limit =
+          scene_.limits.speed > 0 ? scene_.limits.speed : 10 * (mechanics_->wave_speed() + surface_speed());
       if (std::isfinite(sum) && fastest <= limit * limit) return;
       for (std::size_t i = 0; i < particles_.owned(); ++i) {
         const Vec3 velocity = particles_.vector_at(field::velocity, i);
@@ -276,12 +276,12 @@ void Simulation::vote() {
       rigid_torque_[r][d] = ballot.sum(6 * r + 3 + d);
     }
   if (penetration_ > scene_.limits.penetration * scene_.numerics.spacing)
-    throw BlowUp("a particle has penetrated a rigid body by " +
-                 std::to_string(penetration_ / scene_.numerics.spacing) +
-                 " spacings (limits.penetration): contact is lost. Raise penalty_scale or soft_scale, or reduce time.cfl.");
+    throw BlowUp(
+        "a particle has penetrated a rigid body by " + std::to_string(penetration_ / scene_.numerics.spacing) +
+        " spacings (limits.penetration): contact is lost. Raise penalty_scale or soft_scale, or reduce time.cfl.");
   clock_.next_dt = stable_step();
-  // Two particles may approach by twice the largest displacement. The list must still hold after the next drift; half more
-  // than the present speed covers its acceleration.
+  // Two particles may approach by twice the largest displacement. The list must still hold after the next drift; half
+  // more than the present speed covers its acceleration.
   list_expired_ = mechanics_ && 2 * (displacement_ + 1.5 * speed_ * clock_.next_dt) > neighbourhood_->skin();
 }
 

@@ -20,10 +20,10 @@
 namespace stirsph {
 
 struct Clock {
-  double time = 0;        ///< s
+  double time = 0;  ///< s
   std::int64_t step = 0;
-  double dt = 0;          ///< s, of the step being made or just made
-  double next_dt = 0;     ///< s, agreed for the next step
+  double dt = 0;       ///< s, of the step being made or just made
+  double next_dt = 0;  ///< s, agreed for the next step
 };
 
 /// Work that is not kept by mechanics and contact; this rank's share since the start [J].
@@ -48,12 +48,14 @@ class Simulation {
   Simulation(Comm comm, Scene scene);
   ~Simulation();
 
-  /// Creates particles, lists, initial stress and acceleration. Collective. Throws InputError when the scene makes no sense.
+  /// Creates particles, lists, initial stress and acceleration. Collective. Throws InputError when the scene makes no
+  /// sense.
   void start();
   /// Continues from a checkpoint instead. Collective.
   void resume(const std::string& checkpoint);
 
-  /// One time step. Collective; a failure on any rank is thrown on all, with the state of the last finished phase intact.
+  /// One time step. Collective; a failure on any rank is thrown on all, with the state of the last finished phase
+  /// intact.
   void step();
   bool finished() const;
 

@@ -150,7 +150,8 @@ void Simulation::refuse_overlaps() {
                        " at (" + std::to_string(1e3 * x.x) + ", " + std::to_string(1e3 * x.y) + ", " +
                        std::to_string(1e3 * x.z) + ") mm is " + std::to_string(1e3 * overlaps[p].depth) +
                        " mm deep, allowed are " + std::to_string(1e3 * allowed) +
-                       " mm. A particle's surface lies half a spacing outside its centre: set fill_margin = 0.5 of the body where it "
+                       " mm. A particle's surface lies half a spacing outside its centre: set fill_margin = 0.5 of the "
+                       "body where it "
                        "fits closely, or move or shrink one of them.");
     }
   });

@@ -36,9 +36,14 @@ NamedState Simulation::named_state() const {
   state.numbers["ranks"] = {static_cast<double>(comm_.size())};
   state.numbers["partial_sums"] = comm_.all_gather(partial);
   state.numbers["clock"] = {clock_.time, static_cast<double>(clock_.step), clock_.dt, clock_.next_dt};
-  state.numbers["step_state"] = {displacement_, speed_,           penetration_,
-                                 least_h_,      time_since_heat_, list_expired_ ? 1.0 : 0.0,
-                                 neighbourhood_->reach(), static_cast<double>(particle_count_)};
+  state.numbers["step_state"] = {displacement_,
+                                 speed_,
+                                 penetration_,
+                                 least_h_,
+                                 time_since_heat_,
+                                 list_expired_ ? 1.0 : 0.0,
+                                 neighbourhood_->reach(),
+                                 static_cast<double>(particle_count_)};
   state.numbers["initial_kinetic"] = {load_ledger_.initial_kinetic};
   state.numbers["heat_ledger"] = {heat_ledger_.particles, heat_ledger_.rigid, heat_ledger_.source, heat_ledger_.fixed,
                                   heat_ledger_.ambient};

@@ -14,8 +14,7 @@ void combine(void* in, void* inout, int* count, MPI_Datatype* type) {
   const double* from = static_cast<const double*>(in);
   double* to = static_cast<double*>(inout);
   for (int ballot = 0; ballot < *count; ++ballot, from += width, to += width)
-    for (std::size_t k = 0; k < width; ++k)
-      to[k] = k < StepVote::slots ? std::max(from[k], to[k]) : from[k] + to[k];
+    for (std::size_t k = 0; k < width; ++k) to[k] = k < StepVote::slots ? std::max(from[k], to[k]) : from[k] + to[k];
 }
 
 }  // namespace

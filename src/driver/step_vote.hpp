@@ -1,4 +1,5 @@
-/// The one small allreduce of a step: what the ranks must agree on before the next step, maxima and sums in one message.
+/// The one small allreduce of a step: what the ranks must agree on before the next step, maxima and sums in one
+/// message.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,8 @@
 /// Flow stress models: J2 radial return against sigma_y(plastic strain, rate, temperature).
 ///
-/// A model is one file (a struct with `keyword`, `declare`, a constructor from Parameters and `evaluate`) and one line in
-/// registry.cpp. The return map is written once over the model, so its inner loop is inlined; virtual calls are per batch.
+/// A model is one file (a struct with `keyword`, `declare`, a constructor from Parameters and `evaluate`) and one line
+/// in registry.cpp. The return map is written once over the model, so its inner loop is inlined; virtual calls are per
+/// batch.
 #pragma once
 
 #include <algorithm>
@@ -15,9 +16,9 @@ namespace stirsph {
 
 /// Flow stress and its slopes at one state.
 struct FlowPoint {
-  double stress;          ///< Pa
-  double strain_slope;    ///< Pa, d stress / d plastic strain
-  double rate_slope;      ///< Pa s, d stress / d plastic strain rate
+  double stress;        ///< Pa
+  double strain_slope;  ///< Pa, d stress / d plastic strain
+  double rate_slope;    ///< Pa s, d stress / d plastic strain rate
 };
 
 /// A batch of particles of one material. Arrays have `count` entries.
@@ -61,8 +62,8 @@ class FlowStressOf final : public FlowStress {
   }
 
  private:
-  /// Newton's method kept inside a shrinking bracket: the flow stress has a kink at the reference rate and an infinite slope
-  /// at zero plastic strain, where plain Newton may leave the interval.
+  /// Newton's method kept inside a shrinking bracket: the flow stress has a kink at the reference rate and an infinite
+  /// slope at zero plastic strain, where plain Newton may leave the interval.
   long plastic(const FlowBatch& b, int k, double still) const {
     const double three_g = 3 * b.shear_modulus, trial = b.trial[k];
     double low = 0, high = (trial - std::min(still, trial)) / three_g, x = high;

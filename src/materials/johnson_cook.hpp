@@ -1,5 +1,6 @@
 /// Johnson-Cook flow stress (Johnson & Cook 1983; paper eq. 9):
-/// sigma_y = [A + B ep^n] [1 + C ln(rate/rate0)] [1 - Tstar^m], Tstar = (T - T_reference)/(T_melt - T_reference) in [0, 1].
+/// sigma_y = [A + B ep^n] [1 + C ln(rate/rate0)] [1 - Tstar^m], Tstar = (T - T_reference)/(T_melt - T_reference) in [0,
+/// 1].
 #pragma once
 
 #include "input/parameters.hpp"
@@ -16,19 +17,28 @@ struct JohnsonCook {
     s.real("n", "hardening exponent").not_negative().by_default(0.0);
     s.real("C", "rate sensitivity").not_negative().by_default(0.0);
     s.real("m", "thermal softening exponent").positive().by_default(1.0);
-    s.real("reference_rate", "plastic strain rate at which the rate factor is 1").unit("1/s").positive().by_default(
-        "1 1/s");
+    s.real("reference_rate", "plastic strain rate at which the rate factor is 1")
+        .unit("1/s")
+        .positive()
+        .by_default("1 1/s");
     s.real("reference_temperature", "temperature below which there is no softening").unit("K").positive();
     s.real("melting_temperature", "temperature at which only the residual strength is left").unit("K").positive();
-    s.real("residual_fraction", "strength left at the melting temperature, as a fraction of A, so that the material stays a solid")
+    s.real("residual_fraction",
+           "strength left at the melting temperature, as a fraction of A, so that the material stays a solid")
         .range(1e-6, 1)
         .by_default(0.01);
     s.boolean("clip_rate_factor", "rate factor held at 1 below the reference rate").by_default("true");
   }
   explicit JohnsonCook(const input::Parameters& p)
-      : A(p.real("A")), B(p.real("B")), n(p.real("n")), C(p.real("C")), m(p.real("m")),
-        reference_rate(p.real("reference_rate")), reference_temperature(p.real("reference_temperature")),
-        melting_temperature(p.real("melting_temperature")), residual(p.real("residual_fraction") * A),
+      : A(p.real("A")),
+        B(p.real("B")),
+        n(p.real("n")),
+        C(p.real("C")),
+        m(p.real("m")),
+        reference_rate(p.real("reference_rate")),
+        reference_temperature(p.real("reference_temperature")),
+        melting_temperature(p.real("melting_temperature")),
+        residual(p.real("residual_fraction") * A),
         clip_rate_factor(p.boolean("clip_rate_factor")) {
     if (melting_temperature <= reference_temperature)
       p.fail("melting_temperature", "must be above reference_temperature");
@@ -49,8 +59,8 @@ struct JohnsonCook {
       rate_factor = std::max(raw, least);
       if (raw > least) rate_slope = C / rate;
     }
-    const double tstar = std::clamp(
-        (temperature - reference_temperature) / (melting_temperature - reference_temperature), 0.0, 1.0);
+    const double tstar =
+        std::clamp((temperature - reference_temperature) / (melting_temperature - reference_temperature), 0.0, 1.0);
     const double softening = 1 - (m == 1 ? tstar : std::pow(tstar, m));
     const double stress = hardening * rate_factor * softening;
     if (stress <= residual) return {residual, 0, 0};

@@ -1,4 +1,5 @@
-/// Linear isotropic hardening sigma_y = yield_stress + hardening_modulus * ep; perfectly plastic when the modulus is zero.
+/// Linear isotropic hardening sigma_y = yield_stress + hardening_modulus * ep; perfectly plastic when the modulus is
+/// zero.
 #pragma once
 
 #include "input/parameters.hpp"

@@ -50,12 +50,15 @@ const input::Schema& material_schema() {
     input::Schema& elastic = s.table("elastic", "isotropic Hooke's law");
     elastic.real("youngs_modulus", "Young's modulus").unit("Pa").positive();
     elastic.real("poisson_ratio", "Poisson's ratio").range(-0.99, 0.4999);
-    s.variant("flow_stress", "model", flow_stress_schemas, "flow stress; without it the material stays elastic").optional();
+    s.variant("flow_stress", "model", flow_stress_schemas, "flow stress; without it the material stays elastic")
+        .optional();
     input::Schema& thermal = s.table("thermal", "heat conduction and plastic heating", true);
     thermal.reals("conductivity", "polynomial coefficients of k(T) in W/m/K, T in K: c0, c1, ...").count(1, 8);
     thermal.reals("specific_heat", "polynomial coefficients of c_p(T) in J/kg/K, T in K: c0, c1, ...").count(1, 8);
-    thermal.real("lowest_temperature", "the polynomials are held below this temperature").unit("K").positive().by_default(
-        "200 K");
+    thermal.real("lowest_temperature", "the polynomials are held below this temperature")
+        .unit("K")
+        .positive()
+        .by_default("200 K");
     thermal.real("highest_temperature", "the polynomials are held above this temperature")
         .unit("K")
         .positive()

@@ -1,5 +1,6 @@
-/// Artificial stress against the tensile instability (Gray, Monaghan & Swift 2001): in principal axes, R = -epsilon sigma for
-/// tensile principal stresses, zero for compressive ones. (The paper's 1/rho^2 is absorbed by the volume form of the sweep.)
+/// Artificial stress against the tensile instability (Gray, Monaghan & Swift 2001): in principal axes, R = -epsilon
+/// sigma for tensile principal stresses, zero for compressive ones. (The paper's 1/rho^2 is absorbed by the volume form
+/// of the sweep.)
 #pragma once
 
 #include "mechanics/simd.hpp"

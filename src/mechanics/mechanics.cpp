@@ -21,6 +21,7 @@ void MechanicsIn<S>::add_fields(ParticleSet& particles) const {
        {&field::velocity, &field::acceleration, &field::volumetric_strain, &field::stress_deviator, &field::stress,
         &field::equivalent_plastic_strain, &field::plastic_strain_rate, &field::flow_stress, &field::temperature})
     particles.add(*info);
+  if (settings_.gradient_correction == GradientCorrection::Full) particles.add(field::corrected_stress);
   if (settings_.artificial_stress > 0) particles.add(field::artificial_stress);
   if (settings_.heat_input) particles.add(field::heat_input);
 }
@@ -86,8 +87,8 @@ void MechanicsIn<S>::pack_gradient_records(const ParticleSet& particles) {
 
 template <class S>
 void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles) {
-  const auto pack = [&]<bool VariableH, bool ArtificialStress>() {
-    using Record = MomentumRecord<S, VariableH, ArtificialStress>;
+  const auto pack = [&]<bool VariableH, bool ArtificialStress, bool Full>() {
+    using Record = MomentumRecord<S, VariableH, ArtificialStress, Full>;
     records_.resize(particles.capacity() * Record::size);
     const auto put = [&](int slot, const FieldInfo& info, int c) {
       const double* from = particles.component(info, c).data();
@@ -100,7 +101,10 @@ void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles) {
     for (int d = 0; d < S::dim; ++d) put(Record::x + d, field::position, d);
     for (int d = 0; d < S::velocity_components; ++d) put(Record::v + d, field::velocity, d);
     put(Record::volume, field::volume, 0);
-    put_tensor(Record::stress, field::stress);
+    if constexpr (Full)
+      for (int c = 0; c < S::dim * S::dim; ++c) put(Record::stress + c, field::corrected_stress, c);
+    else
+      put_tensor(Record::stress, field::stress);
     if constexpr (ArtificialStress) put_tensor(Record::artificial, field::artificial_stress);
     if constexpr (VariableH) put(Record::h, field::smoothing_length, 0);
 
@@ -113,11 +117,15 @@ void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles) {
       records_[i * Record::size + Record::impedance] = density * m.sound_speed() / std::sqrt(settings_.density_scale);
     }
   };
-  if (settings_.variable_h)
-    settings_.artificial_stress > 0 ? pack.template operator()<true, true>() : pack.template operator()<true, false>();
+  const auto with_h = [&]<bool ArtificialStress, bool Full>() {
+    settings_.variable_h ? pack.template operator()<true, ArtificialStress, Full>()
+                         : pack.template operator()<false, ArtificialStress, Full>();
+  };
+  const bool artificial = settings_.artificial_stress > 0;
+  if (settings_.gradient_correction == GradientCorrection::Full)
+    artificial ? with_h.template operator()<true, true>() : with_h.template operator()<false, true>();
   else
-    settings_.artificial_stress > 0 ? pack.template operator()<false, true>()
-                                    : pack.template operator()<false, false>();
+    artificial ? with_h.template operator()<true, false>() : with_h.template operator()<false, false>();
 }
 
 template <class S>

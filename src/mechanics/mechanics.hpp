@@ -1,5 +1,5 @@
-/// The mechanics of a step: velocity gradient, density and stress update, internal acceleration. One object per run, written
-/// over the compile-time space behind a run-time interface; one dispatch per sweep.
+/// The mechanics of a step: velocity gradient, density and stress update, internal acceleration. One object per run,
+/// written over the compile-time space behind a run-time interface; one dispatch per sweep.
 #pragma once
 
 #include <memory>
@@ -14,11 +14,11 @@ namespace stirsph {
 
 /// Work and heat of this rank since the start of the run [J].
 struct MechanicsLedger {
-  double elastic = 0;      ///< stored by elastic deformation
-  double plastic = 0;      ///< dissipated by plastic flow
-  double viscous = 0;      ///< dissipated by artificial viscosity
-  double diffusion = 0;    ///< taken out by density diffusion
-  double plastic_heat = 0; ///< part of `plastic` turned into heat (eq. 13)
+  double elastic = 0;       ///< stored by elastic deformation
+  double plastic = 0;       ///< dissipated by plastic flow
+  double viscous = 0;       ///< dissipated by artificial viscosity
+  double diffusion = 0;     ///< taken out by density diffusion
+  double plastic_heat = 0;  ///< part of `plastic` turned into heat (eq. 13)
 };
 
 /// Counters of the last step on this rank.
@@ -37,10 +37,11 @@ class Mechanics {
   /// Sets volume, smoothing length, flow stress and stress from mass, volumetric strain and deviator (start of a run).
   virtual void initialise(ParticleSet& particles) const = 0;
 
-  /// Sweep 1 and the material: reads x at the end and v at the middle of the step (halo current), updates volumetric strain,
-  /// volume, stress, plastic strain, heat. dt [s].
+  /// Sweep 1 and the material: reads x at the end and v at the middle of the step (halo current), updates volumetric
+  /// strain, volume, stress, plastic strain, heat. dt [s].
   virtual void update_stress(ParticleSet& particles, const PairList& pairs, double dt) = 0;
-  /// Sweep 2: acceleration [m/s2] by stress, viscosity and artificial stress (stress halo current); overwrites the field.
+  /// Sweep 2: acceleration [m/s2] by stress, viscosity and artificial stress (stress halo current); overwrites the
+  /// field.
   virtual void update_acceleration(ParticleSet& particles, const PairList& pairs, double dt) = 0;
 
   /// Largest wave speed [m/s] with density and elastic scaling.

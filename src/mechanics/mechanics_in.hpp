@@ -1,5 +1,5 @@
-/// Mechanics over one space. The sweeps live in translation units of their own (they are instantiated for every kernel and
-/// option), the update of the material state in stress_update.cpp.
+/// Mechanics over one space. The sweeps live in translation units of their own (they are instantiated for every kernel
+/// and option), the update of the material state in stress_update.cpp.
 #pragma once
 
 #include "mechanics/mechanics.hpp"

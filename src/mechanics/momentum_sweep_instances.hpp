@@ -11,23 +11,34 @@ void MechanicsIn<S>::sweep_momentum(const PairList& pairs, std::size_t clusters,
   const auto run = [&]<bool Viscous, bool ArtificialStress, bool VariableH>() {
     std::visit(
         [&]<class K>(const K&) {
-          momentum_sweep<S, K, Viscous, ArtificialStress, VariableH>(records_, pairs, 0, clusters, constants, force,
-                                                                     dissipation);
+          if (settings_.gradient_correction == GradientCorrection::Full)
+            momentum_sweep<S, K, Viscous, ArtificialStress, VariableH, true>(records_, pairs, 0, clusters, constants,
+                                                                             force, dissipation);
+          else
+            momentum_sweep<S, K, Viscous, ArtificialStress, VariableH, false>(records_, pairs, 0, clusters, constants,
+                                                                              force, dissipation);
         },
         settings_.kernel);
   };
   const bool viscous = settings_.viscosity_alpha > 0 || settings_.viscosity_beta > 0;
-  const int choice =
-      (viscous ? 4 : 0) + (settings_.artificial_stress > 0 ? 2 : 0) + (settings_.variable_h ? 1 : 0);
+  const int choice = (viscous ? 4 : 0) + (settings_.artificial_stress > 0 ? 2 : 0) + (settings_.variable_h ? 1 : 0);
   switch (choice) {
-    case 0: return run.template operator()<false, false, false>();
-    case 1: return run.template operator()<false, false, true>();
-    case 2: return run.template operator()<false, true, false>();
-    case 3: return run.template operator()<false, true, true>();
-    case 4: return run.template operator()<true, false, false>();
-    case 5: return run.template operator()<true, false, true>();
-    case 6: return run.template operator()<true, true, false>();
-    default: return run.template operator()<true, true, true>();
+    case 0:
+      return run.template operator()<false, false, false>();
+    case 1:
+      return run.template operator()<false, false, true>();
+    case 2:
+      return run.template operator()<false, true, false>();
+    case 3:
+      return run.template operator()<false, true, true>();
+    case 4:
+      return run.template operator()<true, false, false>();
+    case 5:
+      return run.template operator()<true, false, true>();
+    case 6:
+      return run.template operator()<true, true, false>();
+    default:
+      return run.template operator()<true, true, true>();
   }
 }
 

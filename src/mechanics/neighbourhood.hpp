@@ -19,8 +19,8 @@ class Neighbourhood {
 
   /// Renews everything for the present positions. `support` [m]: largest kernel support. Collective.
   void rebuild(ParticleSet& particles, double support, bool repartition);
-  /// After a restart on the same number of ranks: the very list the checkpointed run was using, from the positions it was
-  /// built with, so that sums continue bit for bit. Collective.
+  /// After a restart on the same number of ranks: the very list the checkpointed run was using, from the positions it
+  /// was built with, so that sums continue bit for bit. Collective.
   void restore(ParticleSet& particles, double reach);
 
   const PairList& pairs() const { return pairs_; }

@@ -1,10 +1,12 @@
-/// The two pair sums of a step, over clusters of 8 particles in SIMD lanes against their candidate neighbours one by one.
+/// The two pair sums of a step, over clusters of 8 particles in SIMD lanes against their candidate neighbours one by
+/// one.
 ///
 /// Velocity gradient  L_i = sum_j V_j (v_j - v_i) (x) grad W_ij          [optionally times M_i^-1, M the first moment]
 /// Internal force     F_i = V_i sum_j V_j (sigma_i + sigma_j - q_ij I + f^n (R_i + R_j)) . grad W_ij
-/// The force is antisymmetric in i and j, so momentum is conserved to round-off, and it is the adjoint of the uncorrected
-/// gradient, so the stress power equals the work of the forces. q_ij is Monaghan's viscosity, R the artificial stress of
-/// Gray, Monaghan & Swift (2001), f = W(r)/W(dx), n = 4.
+/// The force is antisymmetric in i and j, so momentum is conserved to round-off, and it is the adjoint of the
+/// uncorrected gradient, so the stress power equals the work of the forces. With the full correction sigma M^-1 takes
+/// the place of sigma: still antisymmetric, and the adjoint of the corrected gradient. q_ij is Monaghan's viscosity, R
+/// the artificial stress of Gray, Monaghan & Swift (2001), f = W(r)/W(dx), n = 4.
 ///
 /// Neighbours are packed into one record each, so that a neighbour costs one or two cache lines. Candidates outside the
 /// support, the particle itself and padding lanes give exact zeros: there is no branch in the loop.
@@ -31,7 +33,8 @@ struct GradientBlock {
   static constexpr std::size_t clusters = 32;  ///< results of this many clusters stay in the first-level cache
   static constexpr std::size_t size = clusters * cluster_size;
   alignas(64) double gradient[S::dim * S::dim][size];
-  alignas(64) double diffusion[size];  ///< sum of V_j (e_i - e_j) W'/r (times -2 delta h c: rate of volumetric strain)
+  alignas(64) double correction[S::dim * S::dim][size];  ///< M^-1, identity where it is singular; set when asked for
+  alignas(64) double diffusion[size];  ///< sum of V_j (e_i - e_j) W'/r; W' < 0, so it pulls e_i towards its neighbours
 };
 
 template <class S, bool VariableH>
@@ -40,11 +43,12 @@ struct GradientRecord {
   static constexpr int size = padded_record(h + (VariableH ? 1 : 0));
 };
 
-template <class S, bool VariableH, bool ArtificialStress>
+template <class S, bool VariableH, bool ArtificialStress, bool Full>
 struct MomentumRecord {
   static constexpr int tensor = S::dim * (S::dim + 1) / 2;  ///< in-space components of a symmetric tensor
+  static constexpr int stress_size = Full ? S::dim * S::dim : tensor;
   static constexpr int x = 0, v = S::dim, volume = v + S::velocity_components, impedance = volume + 1,
-                       density = impedance + 1, stress = density + 1, artificial = stress + tensor,
+                       density = impedance + 1, stress = density + 1, artificial = stress + stress_size,
                        h = artificial + (ArtificialStress ? tensor : 0);
   static constexpr int size = padded_record(h + (VariableH ? 1 : 0));
 };
@@ -63,7 +67,7 @@ void load_rows(const AlignedVector& records, std::size_t first, int offset, int 
 }
 
 /// First sweep over clusters [first, last). `smoothing` is h when it is the same for all particles.
-template <class S, class K, bool Corrected, bool Diffusion, bool VariableH>
+template <class S, class K, bool Corrected, bool Diffusion, bool VariableH, bool KeepCorrection = false>
 long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs, std::size_t first, std::size_t last,
                              double smoothing, GradientBlock<S>& block) {
   constexpr int dim = S::dim;
@@ -131,12 +135,19 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
         fallbacks += static_cast<long>(lanes) - stdx::popcount(sound);
         const LaneMatrix<Lanes, dim> corrected = multiply(gradient, cofactors);
         for (int a = 0; a < dim; ++a)
-          for (int b = 0; b < dim; ++b) stdx::where(sound, gradient.a[a][b]) = corrected.a[a][b] / det;
+          for (int b = 0; b < dim; ++b) {
+            stdx::where(sound, gradient.a[a][b]) = corrected.a[a][b] / det;
+            if constexpr (KeepCorrection) {
+              Lanes inverse = a == b ? 1.0 : 0.0;
+              stdx::where(sound, inverse) = cofactors.a[a][b] / det;
+              inverse.copy_to(&block.correction[a * dim + b][(cluster - first) * cluster_size + part],
+                              stdx::vector_aligned);
+            }
+          }
       }
       const std::size_t at = (cluster - first) * cluster_size + part;
       for (int a = 0; a < dim; ++a)
-        for (int b = 0; b < dim; ++b)
-          gradient.a[a][b].copy_to(&block.gradient[a * dim + b][at], stdx::vector_aligned);
+        for (int b = 0; b < dim; ++b) gradient.a[a][b].copy_to(&block.gradient[a * dim + b][at], stdx::vector_aligned);
       if constexpr (Diffusion) diffusion.copy_to(&block.diffusion[at], stdx::vector_aligned);
     }
   }
@@ -152,12 +163,13 @@ struct MomentumConstants {
 
 /// Second sweep over clusters [first, last): adds forces [N] and viscous dissipation [W] per particle into arrays that
 /// begin at particle first*8.
-template <class S, class K, bool Viscous, bool ArtificialStress, bool VariableH>
+template <class S, class K, bool Viscous, bool ArtificialStress, bool VariableH, bool Full>
 void momentum_sweep(const AlignedVector& records, const PairList& pairs, std::size_t first, std::size_t last,
                     const MomentumConstants& constants, double* const* force, double* dissipation) {
   constexpr int dim = S::dim;
-  using Record = MomentumRecord<S, VariableH, ArtificialStress>;
-  constexpr int tensor = Record::tensor;
+  using Record = MomentumRecord<S, VariableH, ArtificialStress, Full>;
+  constexpr int tensor = Record::tensor, stress_size = Record::stress_size;
+  const auto slot = [](int a, int b) { return Full ? a * dim + b : tensor_slot<S>(a < b ? a : b, a < b ? b : a); };
   const double sigma = K::normalisation(dim), inverse_h = 1 / constants.smoothing;
   const double constant = sigma * std::pow(inverse_h, dim + 1);
   const double at_spacing = 1 / K::value(constants.spacing * inverse_h);
@@ -165,9 +177,9 @@ void momentum_sweep(const AlignedVector& records, const PairList& pairs, std::si
     const auto candidates = pairs.candidates(cluster);
     for (std::size_t part = 0; part < cluster_size; part += lanes) {
       const std::size_t i0 = cluster * cluster_size + part;
-      Lanes xi[dim], vi[dim], si[tensor], ri[tensor], volume, impedance{}, density{}, hi{};
+      Lanes xi[dim], vi[dim], si[stress_size], ri[tensor], volume, impedance{}, density{}, hi{};
       load_rows<S, Record>(records, i0, Record::x, dim, xi);
-      load_rows<S, Record>(records, i0, Record::stress, tensor, si);
+      load_rows<S, Record>(records, i0, Record::stress, stress_size, si);
       load_rows<S, Record>(records, i0, Record::volume, 1, &volume);
       if constexpr (Viscous) {
         load_rows<S, Record>(records, i0, Record::v, dim, vi);
@@ -199,11 +211,15 @@ void momentum_sweep(const AlignedVector& records, const PairList& pairs, std::si
           q = r * inverse_h;
           weight = other[Record::volume] * constant * K::slope(q) / r;
         }
-        Lanes stress[tensor];
-        for (int c = 0; c < tensor; ++c) stress[c] = si[c] + other[Record::stress + c];
+        Lanes stress[stress_size];
+        for (int c = 0; c < stress_size; ++c) stress[c] = si[c] + other[Record::stress + c];
         if constexpr (ArtificialStress) {
           const Lanes ratio = K::value(q) * at_spacing, square = ratio * ratio, fourth = square * square;
-          for (int c = 0; c < tensor; ++c) stress[c] += fourth * (ri[c] + other[Record::artificial + c]);
+          for (int a = 0; a < dim; ++a)
+            for (int b = Full ? 0 : a; b < dim; ++b) {
+              const int c = tensor_slot<S>(a < b ? a : b, a < b ? b : a);
+              stress[slot(a, b)] += fourth * (ri[c] + other[Record::artificial + c]);
+            }
         }
         if constexpr (Viscous) {
           Lanes approach = 0.0;
@@ -213,12 +229,12 @@ void momentum_sweep(const AlignedVector& records, const PairList& pairs, std::si
           const Lanes pressure = 0.5 * mu *
                                  (constants.beta * (density + other[Record::density]) * mu -
                                   constants.alpha * (impedance + other[Record::impedance]));
-          for (int a = 0; a < dim; ++a) stress[tensor_slot<S>(a, a)] -= pressure;
+          for (int a = 0; a < dim; ++a) stress[slot(a, a)] -= pressure;
           dissipated += pressure * weight * approach;
         }
         for (int a = 0; a < dim; ++a) {
-          Lanes traction = stress[tensor_slot<S>(0, a)] * d[0];
-          for (int b = 1; b < dim; ++b) traction += stress[tensor_slot<S>(a < b ? a : b, a < b ? b : a)] * d[b];
+          Lanes traction = stress[slot(a, 0)] * d[0];
+          for (int b = 1; b < dim; ++b) traction += stress[slot(a, b)] * d[b];
           f[a] += weight * traction;
         }
       }

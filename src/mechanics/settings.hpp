@@ -5,19 +5,27 @@
 
 namespace stirsph {
 
+/// Renormalisation of the kernel gradient by the inverse first moment M^-1 of the neighbourhood.
+enum class GradientCorrection {
+  None,
+  Velocity,  ///< velocity gradient exact for linear fields; momentum sum plain (robust under a tool)
+  Full,      ///< momentum sum as well, as the adjoint: linear momentum and energy conserved, right stiffness of free
+             ///< surfaces
+};
+
 struct MechanicsSettings {
   Kernel kernel = CubicSpline{};
-  double spacing = 0;          ///< m, initial particle spacing dx
-  double h_over_dx = 1.3;      ///< smoothing length over spacing
-  bool variable_h = false;     ///< h_i = h_0 (rho_0/rho_i)^(1/d) (paper eq. 7)
-  bool gradient_correction = false;  ///< renormalised velocity gradient; the momentum sum stays uncorrected (conservative)
-  double viscosity_alpha = 1;  ///< linear artificial viscosity (Monaghan)
-  double viscosity_beta = 0;   ///< quadratic artificial viscosity
-  double density_diffusion = 0;    ///< delta of delta-SPH, on the volumetric strain; 0 = off
-  double artificial_stress = 0;    ///< epsilon of Gray, Monaghan & Swift (2001); 0 = off
-  double density_scale = 1;        ///< s: inertial mass over physical mass
-  double elastic_scale = 1;        ///< factor on the elastic moduli (soft elasticity)
-  bool heat_input = false;         ///< plastic heat is collected in the field heat_input
+  double spacing = 0;       ///< m, initial particle spacing dx
+  double h_over_dx = 1.3;   ///< smoothing length over spacing
+  bool variable_h = false;  ///< h_i = h_0 (rho_0/rho_i)^(1/d) (paper eq. 7)
+  GradientCorrection gradient_correction = GradientCorrection::None;
+  double viscosity_alpha = 1;    ///< linear artificial viscosity (Monaghan)
+  double viscosity_beta = 0;     ///< quadratic artificial viscosity
+  double density_diffusion = 0;  ///< delta of delta-SPH, on the volumetric strain; 0 = off
+  double artificial_stress = 0;  ///< epsilon of Gray, Monaghan & Swift (2001); 0 = off
+  double density_scale = 1;      ///< s: inertial mass over physical mass
+  double elastic_scale = 1;      ///< factor on the elastic moduli (soft elasticity)
+  bool heat_input = false;       ///< plastic heat is collected in the field heat_input
 };
 
 }  // namespace stirsph

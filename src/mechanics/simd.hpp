@@ -1,5 +1,5 @@
-/// SIMD lanes and tiny matrices over them. Everything here works for double as well, so that a single material point runs
-/// through the same code as a cluster.
+/// SIMD lanes and tiny matrices over them. Everything here works for double as well, so that a single material point
+/// runs through the same code as a cluster.
 #pragma once
 
 #include <cstddef>

@@ -3,8 +3,8 @@
 /// The velocity gradient refers to the middle of the step. The stress is turned by the Hughes-Winget rotation
 /// Q = (I - dt/2 W)^-1 (I + dt/2 W), which is exactly orthogonal, so spinning never grows the stress (case B5 of the
 /// verification catalogue); half of the elastic increment is added before and half after the rotation, which makes the
-/// integration second order in dt (Hughes & Winget 1980). The mean stress is a state function, K ln(rho0/rho): the exact
-/// integral of Hooke's law for the volume.
+/// integration second order in dt (Hughes & Winget 1980). The mean stress is a state function, K ln(rho0/rho): the
+/// exact integral of Hooke's law for the volume.
 #pragma once
 
 #include <cmath>
@@ -13,12 +13,13 @@
 
 namespace stirsph {
 
-/// Deformation of one step in the middle configuration. Symmetric tensors in the order xx yy zz xy xz yz (2-D: first four).
+/// Deformation of one step in the middle configuration. Symmetric tensors in the order xx yy zz xy xz yz (2-D: first
+/// four).
 template <class S, class T>
 struct StepDeformation {
-  T rate[S::stress_components];          ///< D [1/s], trace removed
-  T dilatation;                          ///< trace of D [1/s]
-  LaneMatrix<T, S::dim> rotation;        ///< Q
+  T rate[S::stress_components];    ///< D [1/s], trace removed
+  T dilatation;                    ///< trace of D [1/s]
+  LaneMatrix<T, S::dim> rotation;  ///< Q
 };
 
 /// Velocity gradient with respect to the end positions -> with respect to the middle of the step. With u = v dt,
@@ -44,8 +45,7 @@ StepDeformation<S, T> step_deformation(const LaneMatrix<T, S::dim>& gradient, do
   step.dilatation = trace;
   for (int i = 0; i < S::stress_components; ++i) step.rate[i] = T(0.0);
   for (int i = 0; i < dim; ++i)
-    for (int j = i; j < dim; ++j)
-      step.rate[symmetric_index(i, j)] = T(0.5) * (gradient.a[i][j] + gradient.a[j][i]);
+    for (int j = i; j < dim; ++j) step.rate[symmetric_index(i, j)] = T(0.5) * (gradient.a[i][j] + gradient.a[j][i]);
   for (int i = 0; i < 3; ++i) step.rate[i] = step.rate[i] - trace * T(1.0 / 3);
 
   LaneMatrix<T, dim> half_turn;  // dt/2 W
@@ -80,8 +80,8 @@ void rotate(T (&s)[S::stress_components], const LaneMatrix<T, S::dim>& q) {
     }
 }
 
-/// Deviatoric work per volume [J/m3] that the step's strain does on the turned old and on the trial stress; their mean is the
-/// work of an elastic step.
+/// Deviatoric work per volume [J/m3] that the step's strain does on the turned old and on the trial stress; their mean
+/// is the work of an elastic step.
 template <class T>
 struct TrialWork {
   T old_stress, trial_stress;

@@ -1,4 +1,5 @@
 /// Material state after the velocity gradient is known: volume, stress, plastic strain, heat, and the work done.
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -15,8 +16,7 @@ Lanes load(const double* from) { return Lanes(from, stdx::element_aligned); }
 }  // namespace
 
 template <class S>
-void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>& block, std::size_t first,
-                                  double dt) {
+void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>& block, std::size_t first, double dt) {
   constexpr int dim = S::dim, components = S::stress_components;
   const std::size_t owned = particles.owned();
   std::array<double*, components> deviator, stress, extra{};
@@ -26,6 +26,10 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
     stress[c] = particles.component(field::stress, c).data();
     if (artificial) extra[c] = particles.component(field::artificial_stress, c).data();
   }
+  const bool full = settings_.gradient_correction == GradientCorrection::Full;
+  std::array<double*, dim * dim> corrected{};
+  if (full)
+    for (int c = 0; c < dim * dim; ++c) corrected[c] = particles.component(field::corrected_stress, c).data();
   double* strain = particles[field::volumetric_strain].data();
   double* volume = particles[field::volume].data();
   double* plastic_strain = particles[field::equivalent_plastic_strain].data();
@@ -69,15 +73,20 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
       while (end < count && static_cast<int>(material_of[i0 + end]) == id) ++end;
       const Material& m = materials_[id];
       if (m.flow) {
-        const FlowBatch batch{static_cast<int>(end - k), &trial[k], plastic_strain + i0 + k, temperature + i0 + k, dt,
-                              shear[k], &increment[k], flow_stress + i0 + k};
+        const FlowBatch batch{static_cast<int>(end - k),
+                              &trial[k],
+                              plastic_strain + i0 + k,
+                              temperature + i0 + k,
+                              dt,
+                              shear[k],
+                              &increment[k],
+                              flow_stress + i0 + k};
         counters_.return_map_iterations += m.flow->return_map(batch);
       }
       k = end;
     }
 
-    const double diffusion_scale =
-        -2 * settings_.density_diffusion * smoothing_length() * wave_speed() * dt;  // W'/r is negative
+    const double diffusion_scale = 2 * settings_.density_diffusion * smoothing_length() * wave_speed() * dt;
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t i = i0 + k;
       const Material& m = materials_[static_cast<int>(material_of[i])];
@@ -101,6 +110,15 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
         for (int c = 0; c < components; ++c) extra[c][i] = tensile[c];
       }
 
+      if (full)
+        for (int a = 0; a < dim; ++a)
+          for (int b = 0; b < dim; ++b) {
+            double sum = 0;
+            for (int c = 0; c < dim; ++c)
+              sum += total[symmetric_index(std::min(a, c), std::max(a, c))] * block.correction[c * dim + b][i - first];
+            corrected[a * dim + b][i] = sum;
+          }
+
       // Work per volume: strain times the mean of old and new stress; what is not plastic is stored.
       const double deviatoric_work = 0.5 * (old_work[k] + returned * trial_work[k]);
       const double plastic = increment[k] * (trial[k] - 3 * shear[k] * increment[k]);
@@ -120,7 +138,8 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
   }
 }
 
-template void MechanicsIn<Cartesian3>::update_block(ParticleSet&, const GradientBlock<Cartesian3>&, std::size_t, double);
+template void MechanicsIn<Cartesian3>::update_block(ParticleSet&, const GradientBlock<Cartesian3>&, std::size_t,
+                                                    double);
 template void MechanicsIn<PlaneStrain>::update_block(ParticleSet&, const GradientBlock<PlaneStrain>&, std::size_t,
                                                      double);
 

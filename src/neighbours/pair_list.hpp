@@ -13,8 +13,8 @@ namespace stirsph {
 class PairList {
  public:
   /// Builds the list for the present positions. `reach` [m] is kernel support plus skin. The order of a
-  /// cluster's candidates follows from positions and storage order alone, so sums repeat bit for bit. Halo copies must be
-  /// up to date.
+  /// cluster's candidates follows from positions and storage order alone, so sums repeat bit for bit. Halo copies must
+  /// be up to date.
   void build(const ParticleSet& particles, double reach);
 
   std::size_t clusters() const { return starts_.empty() ? 0 : starts_.size() - 1; }

@@ -1,5 +1,6 @@
-/// Smoothing kernels W(r, h) = sigma/h^d w(q), q = r/h, as branch-free polynomials that work on double and on SIMD lanes.
-/// Cubic: physics.md section 2 (eq. 6 of the paper with its lost exponents); Wendland: Wendland (1995), scaled to support 2h.
+/// Smoothing kernels W(r, h) = sigma/h^d w(q), q = r/h, as branch-free polynomials that work on double and on SIMD
+/// lanes. Cubic: physics.md section 2 (eq. 6 of the paper with its lost exponents); Wendland: Wendland (1995), scaled
+/// to support 2h.
 #pragma once
 
 #include <cmath>

@@ -31,10 +31,11 @@ CellTable::CellTable(const Comm& comm, const ParticleSet& particles, const Domai
       const Vec3 x = particles.vector_at(field::position, i);
       for (int d = 0; d < domain.dim; ++d)
         if (!std::isfinite(x[d]) || std::abs(x[d]) > size_[d] * static_cast<double>(key_offset - 4))
-          throw BlowUp("particle " + std::to_string(static_cast<std::int64_t>(particles[field::id][i])) +
-                       " is lost: its position is (" + std::to_string(x.x) + ", " + std::to_string(x.y) + ", " +
-                       std::to_string(x.z) +
-                       ") m. Reduce the time step (time.cfl) or the mass scaling, or check contact and initial overlap.");
+          throw BlowUp(
+              "particle " + std::to_string(static_cast<std::int64_t>(particles[field::id][i])) +
+              " is lost: its position is (" + std::to_string(x.x) + ", " + std::to_string(x.y) + ", " +
+              std::to_string(x.z) +
+              ") m. Reduce the time step (time.cfl) or the mass scaling, or check contact and initial overlap.");
       particle_keys_[i] = key_of(x);
       local[particle_keys_[i]] += weights.empty() ? 1.0 : weights[i];
     }

@@ -1,5 +1,5 @@
-/// The occupied cells of space and which ranks have particles in them: the same small table on every rank. Cells are at least
-/// as wide as the interaction reach, so a particle's neighbours sit in its own and the adjacent cells.
+/// The occupied cells of space and which ranks have particles in them: the same small table on every rank. Cells are at
+/// least as wide as the interaction reach, so a particle's neighbours sit in its own and the adjacent cells.
 #pragma once
 
 #include <array>
@@ -56,10 +56,10 @@ class CellTable {
   std::int64_t encode(const CellIndex& cell) const;
 
   Domain domain_;
-  std::array<double, 3> size_{1, 1, 1};     ///< m
-  std::array<std::int64_t, 3> period_{};    ///< cells per period, 0 when not periodic
-  std::array<std::int64_t, 3> spread_{};    ///< how many cells away neighbours may be
-  std::vector<Presence> entries_;           ///< sorted by key, then rank
+  std::array<double, 3> size_{1, 1, 1};   ///< m
+  std::array<std::int64_t, 3> period_{};  ///< cells per period, 0 when not periodic
+  std::array<std::int64_t, 3> spread_{};  ///< how many cells away neighbours may be
+  std::vector<Presence> entries_;         ///< sorted by key, then rank
   std::vector<std::int64_t> particle_keys_;
 };
 

@@ -31,7 +31,8 @@ std::vector<int> owners_by_majority(const CellTable& table, const std::vector<st
   return owners;
 }
 
-/// Sends every particle to the owner of its cell. The order on arrival (by sending rank, then by index) is deterministic.
+/// Sends every particle to the owner of its cell. The order on arrival (by sending rank, then by index) is
+/// deterministic.
 void migrate(const Comm& comm, ParticleSet& particles, const std::vector<int>& destination) {
   const std::size_t width = particles.state_width();
   const int size = comm.size();

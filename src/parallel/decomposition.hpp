@@ -11,8 +11,8 @@
 
 namespace stirsph {
 
-/// Distributes particles over ranks by cells. Between repartitions a cell follows the rank that holds most of its cost, so
-/// ownership drifts with the material and needs no memory of its own; a restart finds it from the particles alone.
+/// Distributes particles over ranks by cells. Between repartitions a cell follows the rank that holds most of its cost,
+/// so ownership drifts with the material and needs no memory of its own; a restart finds it from the particles alone.
 class Decomposition {
  public:
   explicit Decomposition(Comm comm) : comm_(comm) {}
@@ -27,8 +27,9 @@ class Decomposition {
   Comm comm_;
 };
 
-/// METIS partition of the graph of occupied cells into `parts`; result over the distinct keys of the table, in key order.
-/// Vertex weight: cost of the cell; edge weight: the copies a cut would need. The same on all ranks (rank 0 decides).
+/// METIS partition of the graph of occupied cells into `parts`; result over the distinct keys of the table, in key
+/// order. Vertex weight: cost of the cell; edge weight: the copies a cut would need. The same on all ranks (rank 0
+/// decides).
 std::vector<int> partition_cells(const Comm& comm, const CellTable& table, const std::vector<std::int64_t>& keys,
                                  int parts);
 

@@ -16,8 +16,8 @@ class HaloExchange {
  public:
   explicit HaloExchange(Comm comm) : comm_(comm) {}
 
-  /// Makes the plan: every particle within `reach` of a cell where another rank (or a periodic image) has particles is sent
-  /// there. Resizes the halo of `particles` and fills all fields with a halo role. Collective.
+  /// Makes the plan: every particle within `reach` of a cell where another rank (or a periodic image) has particles is
+  /// sent there. Resizes the halo of `particles` and fills all fields with a halo role. Collective.
   void build(ParticleSet& particles, const CellTable& cells, double reach);
 
   /// Refreshes the halo copies of every field with this role. Collective over the ranks that share a border.
@@ -30,9 +30,9 @@ class HaloExchange {
   /// What goes to one rank, or to this rank itself as periodic images.
   struct Route {
     int rank;
-    std::vector<std::int32_t> sent;   ///< local indices of owned particles
-    std::vector<Vec3> shifts;         ///< periodic shift of each sent copy [m]; empty when all are zero
-    std::size_t first_received = 0;   ///< local index of the first copy that comes back from that rank
+    std::vector<std::int32_t> sent;  ///< local indices of owned particles
+    std::vector<Vec3> shifts;        ///< periodic shift of each sent copy [m]; empty when all are zero
+    std::size_t first_received = 0;  ///< local index of the first copy that comes back from that rank
     std::size_t received = 0;
   };
   void exchange_fields(ParticleSet& particles, const std::vector<const Field*>& fields) const;

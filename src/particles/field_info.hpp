@@ -1,5 +1,5 @@
-/// What the code knows about a particle field besides its values: exchange, checkpoint and snapshots derive from this, so
-/// that none of them needs a list kept by hand.
+/// What the code knows about a particle field besides its values: exchange, checkpoint and snapshots derive from this,
+/// so that none of them needs a list kept by hand.
 #pragma once
 
 #include <string_view>
@@ -7,9 +7,10 @@
 namespace stirsph {
 
 /// How many components a field has; the space turns the shape into a number.
-enum class Shape { Scalar, Position, Velocity, SymmetricTensor };
+enum class Shape { Scalar, Position, Velocity, SymmetricTensor, Matrix };
 
-/// When neighbours on other ranks need the field: after the drift, after the stress update, before a heat solve, or never.
+/// When neighbours on other ranks need the field: after the drift, after the stress update, before a heat solve, or
+/// never.
 enum class Halo { None, Static, Kinematic, Stress, Thermal };
 
 /// One declaration per field. Values are always double; identifiers and flags are whole numbers below 2^53.

@@ -9,7 +9,7 @@ namespace stirsph::field {
 inline constexpr FieldInfo id{"id", "1", "global particle number", Shape::Scalar, Halo::Static, true, true};
 inline constexpr FieldInfo body{"body", "1", "index of the body in the scene", Shape::Scalar, Halo::None, true, true};
 inline constexpr FieldInfo material{"material", "1", "index of the material in the scene", Shape::Scalar, Halo::Static,
-                                    true, true};
+                                    true,       true};
 inline constexpr FieldInfo sets{"sets", "1", "bit mask of the particle sets it belongs to"};
 inline constexpr FieldInfo mass{"mass", "kg", "physical mass", Shape::Scalar, Halo::Static};
 
@@ -18,12 +18,16 @@ inline constexpr FieldInfo position{"position", "m", "position", Shape::Position
 inline constexpr FieldInfo initial_position{"initial_position", "m", "position at the start of the process",
                                             Shape::Position};
 inline constexpr FieldInfo position_at_list_build{
-    "position_at_list_build", "m", "position when the pair list was made; a restart rebuilds the same list from it",
-    Shape::Position, Halo::None, true};
+    "position_at_list_build",
+    "m",
+    "position when the pair list was made; a restart rebuilds the same list from it",
+    Shape::Position,
+    Halo::None,
+    true};
 inline constexpr FieldInfo velocity{"velocity", "m/s", "velocity", Shape::Velocity, Halo::Kinematic, true, true};
 inline constexpr FieldInfo acceleration{"acceleration", "m/s2", "acceleration by all forces", Shape::Velocity};
-inline constexpr FieldInfo volumetric_strain{
-    "volumetric_strain", "1", "ln(rho0/rho), the integral of div v", Shape::Scalar, Halo::Stress};
+inline constexpr FieldInfo volumetric_strain{"volumetric_strain", "1", "ln(rho0/rho), the integral of div v",
+                                             Shape::Scalar, Halo::Stress};
 inline constexpr FieldInfo volume{"volume", "m3", "m/rho", Shape::Scalar, Halo::Stress, true};
 inline constexpr FieldInfo smoothing_length{"smoothing_length", "m", "kernel smoothing length h", Shape::Scalar,
                                             Halo::Stress};
@@ -31,29 +35,35 @@ inline constexpr FieldInfo smoothing_length{"smoothing_length", "m", "kernel smo
 // stress and material state
 inline constexpr FieldInfo stress_deviator{"stress_deviator", "Pa", "Cauchy stress deviator", Shape::SymmetricTensor,
                                            Halo::None};
-inline constexpr FieldInfo stress{"stress", "Pa", "Cauchy stress, positive in tension", Shape::SymmetricTensor,
-                                  Halo::Stress, false, true};
-inline constexpr FieldInfo artificial_stress{"artificial_stress", "Pa",
-                                             "Gray-Monaghan artificial stress against the tensile instability",
-                                             Shape::SymmetricTensor, Halo::Stress, false};
+inline constexpr FieldInfo stress{
+    "stress", "Pa", "Cauchy stress, positive in tension", Shape::SymmetricTensor, Halo::Stress, false, true};
+inline constexpr FieldInfo artificial_stress{
+    "artificial_stress",    "Pa",         "Gray-Monaghan artificial stress against the tensile instability",
+    Shape::SymmetricTensor, Halo::Stress, false};
+inline constexpr FieldInfo corrected_stress{
+    "corrected_stress", "Pa", "stress times the gradient correction, sigma M^-1", Shape::Matrix, Halo::Stress, false};
 inline constexpr FieldInfo equivalent_plastic_strain{
     "equivalent_plastic_strain", "1", "accumulated equivalent plastic strain", Shape::Scalar, Halo::None, true, true};
-inline constexpr FieldInfo plastic_strain_rate{"plastic_strain_rate", "1/s",
-                                               "equivalent plastic strain rate of the last step", Shape::Scalar,
-                                               Halo::None, true, true};
-inline constexpr FieldInfo flow_stress{"flow_stress", "Pa", "current flow stress sigma_y", Shape::Scalar, Halo::None,
-                                       true};
+inline constexpr FieldInfo plastic_strain_rate{"plastic_strain_rate",
+                                               "1/s",
+                                               "equivalent plastic strain rate of the last step",
+                                               Shape::Scalar,
+                                               Halo::None,
+                                               true,
+                                               true};
+inline constexpr FieldInfo flow_stress{"flow_stress", "Pa",       "current flow stress sigma_y",
+                                       Shape::Scalar, Halo::None, true};
 
 // heat
 inline constexpr FieldInfo temperature{"temperature", "K", "temperature", Shape::Scalar, Halo::Thermal, true, true};
-inline constexpr FieldInfo heat_input{
-    "heat_input", "J", "plastic and friction heat since the last heat solve", Shape::Scalar, Halo::None};
-inline constexpr FieldInfo conductivity{"conductivity", "W/m/K", "thermal conductivity at the present temperature",
-                                        Shape::Scalar, Halo::Thermal, false};
+inline constexpr FieldInfo heat_input{"heat_input", "J", "plastic and friction heat since the last heat solve",
+                                      Shape::Scalar, Halo::None};
+inline constexpr FieldInfo conductivity{
+    "conductivity", "W/m/K", "thermal conductivity at the present temperature", Shape::Scalar, Halo::Thermal, false};
 inline constexpr FieldInfo conduction_correction{
-    "conduction_correction", "1", "weight of the heat links of a particle that lacks neighbours at a surface",
-    Shape::Scalar, Halo::Thermal, false};
-inline constexpr FieldInfo matrix_row{"matrix_row", "1", "row of the particle in the heat matrix", Shape::Scalar,
-                                      Halo::Thermal, false};
+    "conduction_correction", "1",           "weight of the heat links of a particle that lacks neighbours at a surface",
+    Shape::Scalar,           Halo::Thermal, false};
+inline constexpr FieldInfo matrix_row{"matrix_row",  "1",           "row of the particle in the heat matrix",
+                                      Shape::Scalar, Halo::Thermal, false};
 
 }  // namespace stirsph::field

@@ -9,10 +9,16 @@ namespace stirsph {
 
 int ParticleSet::components(Shape shape) const {
   switch (shape) {
-    case Shape::Scalar: return 1;
-    case Shape::Position: return layout_.dim;
-    case Shape::Velocity: return layout_.velocity_components;
-    case Shape::SymmetricTensor: return layout_.stress_components;
+    case Shape::Scalar:
+      return 1;
+    case Shape::Position:
+      return layout_.dim;
+    case Shape::Velocity:
+      return layout_.velocity_components;
+    case Shape::SymmetricTensor:
+      return layout_.stress_components;
+    case Shape::Matrix:
+      return layout_.dim * layout_.dim;
   }
   return 1;
 }

@@ -1,5 +1,5 @@
-/// The spaces the mechanics is written over. A space is a compile-time parameter of every pair sweep, chosen once at run
-/// time by the scene (`space = "cartesian3"`): nothing inside a sweep asks which space it is in.
+/// The spaces the mechanics is written over. A space is a compile-time parameter of every pair sweep, chosen once at
+/// run time by the scene (`space = "cartesian3"`): nothing inside a sweep asks which space it is in.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace stirsph {
 /// Three dimensions, coordinates x y z.
 struct Cartesian3 {
   static constexpr std::string_view keyword = "cartesian3";
-  static constexpr int dim = 3;                ///< components of a position
+  static constexpr int dim = 3;  ///< components of a position
   static constexpr int velocity_components = 3;
   static constexpr int stress_components = 6;  ///< xx yy zz xy xz yz
 };

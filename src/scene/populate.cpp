@@ -53,7 +53,8 @@ std::vector<BodyCount> count_particles(const Scene& scene) {
   std::vector<BodyCount> counts;
   for (const BodyScene& body : scene.bodies) {
     const std::int64_t n = fill(scene, body, 0, 1).total;
-    counts.push_back({body.name, n, static_cast<double>(n) * cell_volume(scene) * scene.materials[body.material].density});
+    counts.push_back(
+        {body.name, n, static_cast<double>(n) * cell_volume(scene) * scene.materials[body.material].density});
   }
   return counts;
 }

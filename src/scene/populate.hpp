@@ -17,9 +17,9 @@ struct BodyCount {
 /// Counts without creating anything.
 std::vector<BodyCount> count_particles(const Scene& scene);
 
-/// Creates this rank's share of all particles (the caller redistributes them) with position, velocity, mass, temperature,
-/// body, material, set membership and a global id that does not depend on the rank count. All fields must have been added.
-/// Throws InputError when a body holds no particle.
+/// Creates this rank's share of all particles (the caller redistributes them) with position, velocity, mass,
+/// temperature, body, material, set membership and a global id that does not depend on the rank count. All fields must
+/// have been added. Throws InputError when a body holds no particle.
 std::vector<BodyCount> populate(const Scene& scene, const Comm& comm, ParticleSet& particles);
 
 }  // namespace stirsph

@@ -79,7 +79,10 @@ void read_numerics(const Parameters& root, Scene& scene) {
   m.spacing = n.real("spacing");
   m.h_over_dx = n.real("h_over_dx");
   m.variable_h = n.boolean("variable_h");
-  m.gradient_correction = n.boolean("gradient_correction");
+  const std::string& correction = n.text("gradient_correction");
+  m.gradient_correction = correction == "full"       ? GradientCorrection::Full
+                          : correction == "velocity" ? GradientCorrection::Velocity
+                                                     : GradientCorrection::None;
   m.viscosity_alpha = n.real("viscosity_alpha");
   m.viscosity_beta = n.real("viscosity_beta");
   m.density_diffusion = n.real("density_diffusion");
@@ -214,8 +217,8 @@ void read_rigids(const Parameters& root, Scene& scene) {
                         : role == "lumped" ? RigidHeatScene::Role::Lumped
                                            : RigidHeatScene::Role::Insulated;
       rigid.heat.temperature = heat.real("temperature");
-      rigid.heat.conductance = heat.boolean("perfect_contact") ? std::numeric_limits<double>::infinity()
-                                                               : heat.real("conductance");
+      rigid.heat.conductance =
+          heat.boolean("perfect_contact") ? std::numeric_limits<double>::infinity() : heat.real("conductance");
       rigid.heat.heat_capacity = heat.real("heat_capacity");
       rigid.heat.ambient_conductance = heat.real("ambient_conductance");
       rigid.heat.ambient_temperature = heat.real("ambient_temperature");
@@ -260,7 +263,9 @@ void read_sets_and_probes(const Parameters& root, Scene& scene) {
                    rotation_of(p)};
     const bool moved = grip.velocity[0] || grip.velocity[1] || grip.velocity[2];
     if (!moved && !grip.rotation)
-      p.fail("name", "a grip prescribes nothing: give velocity components, for example velocity = {z = \"0 m/s\"}, or a rotation.");
+      p.fail("name",
+             "a grip prescribes nothing: give velocity components, for example velocity = {z = \"0 m/s\"}, or a "
+             "rotation.");
     scene.grips.push_back(std::move(grip));
   }
   for (const Parameters& p : root.tables("probe")) {
@@ -342,7 +347,8 @@ Scene make_scene(const Parameters& root, const std::string& path) {
     // dt = cfl h / (c/sqrt(s) + |v|): the tool's speed is not known yet, so the wave alone is scaled.
     double fastest = 0;
     for (const BodyScene& body : scene.bodies)
-      fastest = std::max(fastest, scene.materials[body.material].sound_speed() * std::sqrt(scene.numerics.elastic_scale));
+      fastest =
+          std::max(fastest, scene.materials[body.material].sound_speed() * std::sqrt(scene.numerics.elastic_scale));
     const double unscaled = scene.time.cfl * scene.numerics.h_over_dx * scene.numerics.spacing / fastest;
     scene.numerics.density_scale = std::max(1.0, std::pow(scene.target_step / unscaled, 2));
   }

@@ -54,7 +54,9 @@ void RigidMotion::advance(RigidPose& pose, double t, double dt, const Vec3& forc
   pose.angular_velocity = rate(middle);
   pose.angle += pose.angular_velocity * dt;
   switch (scene_.kind) {
-    case MotionScene::Kind::Fixed: pose.velocity = {}; return;
+    case MotionScene::Kind::Fixed:
+      pose.velocity = {};
+      return;
     case MotionScene::Kind::Velocity:
       for (int d = 0; d < 3; ++d) pose.velocity[d] = scene_.velocity[d] ? (*scene_.velocity[d])({middle}) : 0.0;
       break;

@@ -20,7 +20,8 @@ class RigidMotion {
 
   /// Pose at the start.
   RigidPose initial_pose() const;
-  /// Advances the pose from t to t + dt. `force` [N]: of the particles on the body in the last step (for force control).
+  /// Advances the pose from t to t + dt. `force` [N]: of the particles on the body in the last step (for force
+  /// control).
   void advance(RigidPose& pose, double t, double dt, const Vec3& force);
 
   /// The force [N] the programme asks for at time t: preload over the approach time, dwell, ramp, hold.
@@ -40,8 +41,8 @@ class RigidMotion {
 
   MotionScene scene_;
   double proportional_ = 0, integral_gain_ = 0, filter_rate_ = 0;
-  double integral_ = 0;   ///< m/s
-  double filtered_ = 0;   ///< N
+  double integral_ = 0;  ///< m/s
+  double filtered_ = 0;  ///< N
   bool at_limit_ = false;
 };
 

@@ -32,11 +32,11 @@ struct BodyScene {
   int material = 0;
   ShapePointer shape;
   Vec3 lattice_origin;
-  double fill_margin = 0.25;  ///< of the spacing
-  double jitter = 0;          ///< of the spacing
-  input::Expression temperature;                   ///< K, of x y z
-  std::array<OptionalExpression, 3> velocity;      ///< m/s, of x y z
-  std::optional<RotationScene> rotation;           ///< added to the velocity
+  double fill_margin = 0.25;                   ///< of the spacing
+  double jitter = 0;                           ///< of the spacing
+  input::Expression temperature;               ///< K, of x y z
+  std::array<OptionalExpression, 3> velocity;  ///< m/s, of x y z
+  std::optional<RotationScene> rotation;       ///< added to the velocity
 };
 
 /// How a rigid body moves.
@@ -50,10 +50,10 @@ struct MotionScene {
   double approach_time = 0.2;                                ///< s over which the preload is applied
   double velocity_limit = 1e-3;                              ///< m/s
   double stiffness = 0;                                      ///< N/m, 0 = estimated from the billet
-  double bandwidth = 0.15;  ///< of the billet's first axial frequency
+  double bandwidth = 0.15;                                   ///< of the billet's first axial frequency
   Vec3 centre, axis{0, 0, 1};
-  OptionalExpression rotation;                  ///< rad/s, of t
-  std::optional<TabulatedCurve> rotation_table; ///< rad/s over s
+  OptionalExpression rotation;                   ///< rad/s, of t
+  std::optional<TabulatedCurve> rotation_table;  ///< rad/s over s
 };
 
 struct RigidHeatScene {
@@ -107,7 +107,7 @@ struct ProbeScene {
 
 struct HeatScene {
   enum class Mode { Off, Adiabatic, Conduction } mode = Mode::Off;
-  int every = 1;              ///< mechanical steps per heat step
+  int every = 1;  ///< mechanical steps per heat step
   double relative_tolerance = 1e-8;
   int nonlinear_iterations = 1;
   bool crank_nicolson = false;
@@ -115,9 +115,9 @@ struct HeatScene {
 };
 
 struct TimeScene {
-  double end = 0;        ///< s
+  double end = 0;  ///< s
   double cfl = 0.5;
-  double fixed_step = 0; ///< s, 0 = from the CFL condition
+  double fixed_step = 0;  ///< s, 0 = from the CFL condition
   double start_step = 0;
   std::int64_t most_steps = 0;  ///< 0 = no limit
 };
@@ -128,14 +128,14 @@ struct OutputScene {
   double checkpoint_interval = 0;  ///< s of process time, 0 = off
   double checkpoint_wall = 0;      ///< s of wall time, 0 = off
   std::int64_t checkpoint_steps = 0;
-  double progress_wall = 5;        ///< s between progress lines
+  double progress_wall = 5;  ///< s between progress lines
   std::int64_t history_steps = 0;
-  std::vector<std::string> fields; ///< empty = those marked for snapshots
+  std::vector<std::string> fields;  ///< empty = those marked for snapshots
 };
 
 struct LimitScene {
-  double penetration = 1.0;   ///< of the spacing: deeper is a blow-up
-  double speed = 0;           ///< m/s, 0 = ten times the wave speed
+  double penetration = 1.0;  ///< of the spacing: deeper is a blow-up
+  double speed = 0;          ///< m/s, 0 = ten times the wave speed
 };
 
 struct Scene {

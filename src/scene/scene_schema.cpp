@@ -50,8 +50,9 @@ const std::map<std::string, Schema>& motion_schemas() {
         .unit("N/m")
         .positive()
         .optional();
-    force.real("bandwidth", "controller frequency over the billet's first axial frequency").range(1e-3, 10).by_default(
-        0.15);
+    force.real("bandwidth", "controller frequency over the billet's first axial frequency")
+        .range(1e-3, 10)
+        .by_default(0.15);
     m["force"] = force;
     return m;
   }();
@@ -64,12 +65,17 @@ void declare_numerics(Schema& s) {
   n.choice("kernel", {"cubic", "wendland_c2", "wendland_c4", "quintic"}, "smoothing kernel").by_default("cubic");
   n.real("h_over_dx", "smoothing length over spacing").range(0.8, 3).by_default(1.3);
   n.boolean("variable_h", "smoothing length follows density, h = h0 (rho0/rho)^(1/d)").by_default("false");
-  n.boolean("gradient_correction", "renormalised velocity gradient (exact for linear fields)").by_default("false");
+  n.choice("gradient_correction", {"none", "velocity", "full"},
+           "renormalised kernel gradient: of the velocity gradient only, or also (adjoint) of the momentum sum, which "
+           "gives "
+           "free surfaces their right stiffness")
+      .by_default("none");
   n.real("viscosity_alpha", "linear artificial viscosity").not_negative().by_default(1.0);
   n.real("viscosity_beta", "quadratic artificial viscosity").not_negative().by_default(0.0);
   n.real("density_diffusion", "delta of the density diffusion (delta-SPH)").range(0, 1).by_default(0.0);
-  n.real("artificial_stress", "epsilon of the artificial stress against the tensile instability").range(0, 1).by_default(
-      0.0);
+  n.real("artificial_stress", "epsilon of the artificial stress against the tensile instability")
+      .range(0, 1)
+      .by_default(0.0);
   n.real("density_scale", "inertial over physical mass (mass scaling)").range(1, 1e12).by_default(1.0);
   n.real("density_scale_for_step", "choose density_scale so that this time step is stable at the given cfl")
       .unit("s")
@@ -103,13 +109,15 @@ void declare_bodies(Schema& s) {
       .unit("m")
       .count(2, 3)
       .by_default("[\"0 m\", \"0 m\", \"0 m\"]");
-  body.real("fill_margin", "a site is filled when it is so deep inside the shape, in spacings").range(-0.5, 0.5).by_default(
-      0.25);
+  body.real("fill_margin", "a site is filled when it is so deep inside the shape, in spacings")
+      .range(-0.5, 0.5)
+      .by_default(0.25);
   body.real("jitter", "random offset of the sites, in spacings (for tests)").range(0, 0.45).by_default(0.0);
   body.expression("temperature", space_variables, "initial temperature, a quantity or a formula of x, y, z in K")
       .unit("K")
       .by_default("293.15 K");
-  declare_vector_expression(body, "velocity", "m/s", space_variables, "initial velocity, quantities or formulas of x, y, z");
+  declare_vector_expression(body, "velocity", "m/s", space_variables,
+                            "initial velocity, quantities or formulas of x, y, z");
   declare_rotation(body, "rotation", "initial rigid rotation, added to the velocity");
 }
 
@@ -119,7 +127,8 @@ void declare_rigids(Schema& s) {
   rigid.variant("shape", "type", shape_schemas, "the solid region of the body at the start");
   rigid.variant("motion", "type", motion_schemas, "how it moves; at rest when missing").optional();
   declare_rotation(rigid, "rotation", "rotation of the body about an axis that travels with it");
-  rigid.text("rotation_table", "CSV file with a header such as: time [s], rate [rpm]; replaces rotation.rate").optional();
+  rigid.text("rotation_table", "CSV file with a header such as: time [s], rate [rpm]; replaces rotation.rate")
+      .optional();
   rigid.text("material", "name of a material, for the split of the friction heat").optional();
   rigid.reals("reference_point", "point of the body from which extruded length is measured")
       .unit("m")
@@ -136,8 +145,10 @@ void declare_rigids(Schema& s) {
       .by_default("0 W/m2/K");
   heat.boolean("perfect_contact", "no thermal resistance at the interface").by_default("false");
   heat.real("heat_capacity", "of the lumped node").unit("J/K").not_negative().by_default("0 J/K");
-  heat.real("ambient_conductance", "from the lumped node to the surroundings").unit("W/K").not_negative().by_default(
-      "0 W/K");
+  heat.real("ambient_conductance", "from the lumped node to the surroundings")
+      .unit("W/K")
+      .not_negative()
+      .by_default("0 W/K");
   heat.real("ambient_temperature", "of the surroundings").unit("K").positive().by_default("293.15 K");
 }
 
@@ -146,13 +157,16 @@ void declare_contacts(Schema& s) {
   contact.text("rigid", "name of the rigid body");
   contact.texts("bodies", "names of the deformable bodies; all when missing").optional();
   contact.real("friction", "Coulomb coefficient mu").not_negative().by_default(0.0);
-  contact.real("shear_limit_factor", "factor on the limit sigma_y/sqrt(3) of the friction stress").positive().by_default(
-      1.0);
+  contact.real("shear_limit_factor", "factor on the limit sigma_y/sqrt(3) of the friction stress")
+      .positive()
+      .by_default(1.0);
   contact.real("shear_limit", "given limit of the friction stress instead of sigma_y/sqrt(3)")
       .unit("Pa")
       .not_negative()
       .optional();
-  contact.real("penalty_scale", "standard penalty stiffness over Young's modulus times dx").not_negative().by_default(0.1);
+  contact.real("penalty_scale", "standard penalty stiffness over Young's modulus times dx")
+      .not_negative()
+      .by_default(0.1);
   contact.real("soft_scale", "S_f of the soft constraint, stiffness >= S_f m/dt^2").range(0, 2).by_default(0.1);
   contact.real("damping", "of the normal spring, fraction of critical").range(0, 1).by_default(0.0);
   contact.real("heat_conversion", "share of friction work that becomes heat").range(0, 1).by_default(0.9);
@@ -170,17 +184,21 @@ void declare_sets_and_probes(Schema& s) {
   Schema& grip = s.tables("grip", "prescribed motion of a set, with its reaction force");
   grip.text("name", "name in the history");
   grip.text("set", "name of the set");
-  declare_vector_expression(grip, "velocity", "m/s", space_time_variables,
-                            "prescribed velocity components, quantities or formulas of t and the initial x, y, z; others are free");
+  declare_vector_expression(
+      grip, "velocity", "m/s", space_time_variables,
+      "prescribed velocity components, quantities or formulas of t and the initial x, y, z; others are free");
   declare_rotation(grip, "rotation", "rigid rotation about an axis; prescribes the components across the axis");
 
   Schema& probe = s.tables("probe", "a value recorded in the history");
   probe.text("name", "column name");
-  probe.choice("kind", {"point", "average", "minimum", "maximum", "sum", "extent", "extruded_length"},
-               "point: kernel interpolation at a position; average .. sum: over a set; extent: largest coordinate less the "
-               "smallest; extruded_length: length of the unbroken material beyond a rigid body's reference point");
+  probe.choice(
+      "kind", {"point", "average", "minimum", "maximum", "sum", "extent", "extruded_length"},
+      "point: kernel interpolation at a position; average .. sum: over a set; extent: largest coordinate less the "
+      "smallest; extruded_length: length of the unbroken material beyond a rigid body's reference point");
   probe.text("field", "name of a particle field; stress also as von_mises or pressure").by_default("temperature");
-  probe.integer("component", "component of a vector or tensor field (x y z; xx yy zz xy xz yz)").range(0, 5).by_default("0");
+  probe.integer("component", "component of a vector or tensor field (x y z; xx yy zz xy xz yz)")
+      .range(0, 5)
+      .by_default("0");
   probe.text("set", "name of a set; all particles when missing").optional();
   probe.reals("position", "of a point probe").unit("m").count(2, 3).optional();
   probe.text("rigid", "rigid body of extruded_length").optional();
@@ -193,28 +211,38 @@ void declare_heat_and_output(Schema& s) {
       .by_default("off");
   heat.integer("every", "mechanical steps per heat step").range(1, 1000000).by_default("10");
   heat.real("relative_tolerance", "of the linear solve").range(1e-14, 0.1).by_default(1e-8);
-  heat.integer("nonlinear_iterations", "solves per heat step with k(T) and c_p(T) updated").range(1, 100).by_default("1");
-  heat.choice("scheme", {"backward_euler", "crank_nicolson"}, "time scheme of the conduction").by_default("backward_euler");
+  heat.integer("nonlinear_iterations", "solves per heat step with k(T) and c_p(T) updated")
+      .range(1, 100)
+      .by_default("1");
+  heat.choice("scheme", {"backward_euler", "crank_nicolson"}, "time scheme of the conduction")
+      .by_default("backward_euler");
 
   Schema& output = s.table("output", "what is written, and when");
   output.real("history_interval", "process time between rows of history.csv; 0: see history_steps")
       .unit("s")
       .not_negative()
       .by_default("0 s");
-  output.integer("history_steps", "steps between rows of history.csv (0: by history_interval)").not_negative().by_default("0");
+  output.integer("history_steps", "steps between rows of history.csv (0: by history_interval)")
+      .not_negative()
+      .by_default("0");
   output.real("snapshot_interval", "process time between snapshots; 0: first and last only")
       .unit("s")
       .not_negative()
       .by_default("0 s");
   output.texts("fields", "fields in snapshots; the usual ones when missing").optional();
-  output.real("checkpoint_wall_interval", "wall time between checkpoints; 0: off").unit("s").not_negative().by_default(
-      "600 s");
+  output.real("checkpoint_wall_interval", "wall time between checkpoints; 0: off")
+      .unit("s")
+      .not_negative()
+      .by_default("600 s");
   output.integer("checkpoint_steps", "steps between checkpoints; 0: off").not_negative().by_default("0");
   output.real("progress_wall_interval", "wall time between progress lines").unit("s").not_negative().by_default("5 s");
 
   Schema& limits = s.table("limits", "where the run gives up rather than going on with nonsense");
   limits.real("penetration", "deepest contact penetration in spacings").positive().by_default(1.0);
-  limits.real("speed", "fastest particle; ten wave speeds plus ten tool speeds when missing").unit("m/s").positive().optional();
+  limits.real("speed", "fastest particle; ten wave speeds plus ten tool speeds when missing")
+      .unit("m/s")
+      .positive()
+      .optional();
 }
 
 }  // namespace
@@ -235,7 +263,8 @@ const input::Schema& scene_schema() {
     declare_rigids(s);
     declare_contacts(s);
     declare_sets_and_probes(s);
-    declare_vector_expression(s, "body_force", "m/s2", {"t"}, "body force per physical mass, quantities or formulas of t");
+    declare_vector_expression(s, "body_force", "m/s2", {"t"},
+                              "body force per physical mass, quantities or formulas of t");
     declare_heat_and_output(s);
     return s;
   }();
