@@ -66,18 +66,20 @@ class FlowStressOf final : public FlowStress {
   /// slope at zero plastic strain, where plain Newton may leave the interval.
   long plastic(const FlowBatch& b, int k, double still) const {
     const double three_g = 3 * b.shear_modulus, trial = b.trial[k];
+    constexpr double vanishing = 1e-290;  // below it the strain powers underflow
     double low = 0, high = (trial - std::min(still, trial)) / three_g, x = high;
     for (long iteration = 1; iteration <= 200; ++iteration) {
       const FlowPoint f = model_.evaluate(b.plastic_strain[k] + x, x / b.dt, b.temperature[k]);
       const double residual = trial - three_g * x - f.stress;
       (residual > 0 ? low : high) = x;
-      if (std::abs(residual) <= 1e-13 * trial || high - low <= 1e-15 * high) {
+      if (std::abs(residual) <= 1e-13 * trial || high - low <= 1e-15 * high || high < vanishing) {
         b.increment[k] = x;
         b.flow_stress[k] = trial - three_g * x;
         return iteration;
       }
       const double newton = x + residual / (three_g + f.strain_slope + f.rate_slope / b.dt);
-      x = newton > low && newton < high ? newton : 0.5 * (low + high);
+      // Towards zero by decades: with a small hardening exponent a hair of overstress needs a strain of 1e-100 or less.
+      x = newton > low && newton < high ? newton : low > 0 ? 0.5 * (low + high) : 1e-3 * high;
     }
     throw BlowUp("the return map did not converge (trial stress " + std::to_string(trial) + " Pa, plastic strain " +
                  std::to_string(b.plastic_strain[k]) + ", temperature " + std::to_string(b.temperature[k]) + " K)");

@@ -46,7 +46,9 @@ struct JohnsonCook {
 
   FlowPoint evaluate(double plastic_strain, double rate, double temperature) const {
     double hardening = A, hardening_slope = 0;
-    if (B > 0 && plastic_strain > 0) {
+    if (B > 0 && n == 0) {
+      hardening += B;  // ep^0 = 1 at rest as well: a step at zero strain would leave stresses no flow can reach
+    } else if (B > 0 && plastic_strain > 0) {
       const double power = B * std::pow(plastic_strain, n);
       hardening += power;
       hardening_slope = n * power / plastic_strain;

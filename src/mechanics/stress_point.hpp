@@ -80,8 +80,9 @@ void rotate(T (&s)[S::stress_components], const LaneMatrix<T, S::dim>& q) {
     }
 }
 
-/// Deviatoric work per volume [J/m3] that the step's strain does on the turned old and on the trial stress; their mean
-/// is the work of an elastic step.
+/// Deviatoric work per volume [J/m3] that the step's strain does on the old and on the trial stress. In an elastic step
+/// their mean is exactly the change of the stored energy s:s/4G: with e = G D dt the trial is s' = Q (s + e) Q^T + e,
+/// so |s' - e| = |s + e| and s':s' - s:s = 2 e:(s + s'). (The old stress as it was, not turned.)
 template <class T>
 struct TrialWork {
   T old_stress, trial_stress;
@@ -91,19 +92,15 @@ struct TrialWork {
 template <class S, class T>
 TrialWork<T> elastic_trial(T (&s)[S::stress_components], const StepDeformation<S, T>& step, const T& shear_modulus,
                            double dt) {
-  T turned[S::stress_components];
-  for (int c = 0; c < S::stress_components; ++c) {
-    turned[c] = s[c];
-    s[c] = s[c] + shear_modulus * T(dt) * step.rate[c];  // half of 2 G D dt
-  }
-  rotate<S>(turned, step.rotation);
-  rotate<S>(s, step.rotation);
   TrialWork<T> work{T(0.0), T(0.0)};
   for (int c = 0; c < S::stress_components; ++c) {
+    work.old_stress += s[c] * (T(c < 3 ? dt : 2 * dt) * step.rate[c]);
+    s[c] = s[c] + shear_modulus * T(dt) * step.rate[c];  // half of 2 G D dt
+  }
+  rotate<S>(s, step.rotation);
+  for (int c = 0; c < S::stress_components; ++c) {
     s[c] = s[c] + shear_modulus * T(dt) * step.rate[c];
-    const T strain = T(c < 3 ? dt : 2 * dt) * step.rate[c];
-    work.old_stress += turned[c] * strain;
-    work.trial_stress += s[c] * strain;
+    work.trial_stress += s[c] * (T(c < 3 ? dt : 2 * dt) * step.rate[c]);
   }
   return work;
 }
