@@ -99,17 +99,12 @@ void Simulation::apply_loads(double dt) {
   const auto& force = scene_.body_force;
   if (force[0] || force[1] || force[2]) {
     const ScopedTimer timer(timers_, "loads");
-    const auto mass = particles_[field::mass];
     for (int d = 0; d < particles_.layout().velocity_components; ++d) {
       if (!force[d]) continue;
       // The weight is physical: a scaled inertia must not make the load heavier.
       const double acceleration = (*force[d])({clock_.time + dt});
       double* a = particles_.component(field::acceleration, d).data();
-      const double* v = particles_.component(field::velocity, d).data();
-      for (std::size_t i = 0; i < particles_.owned(); ++i) {
-        a[i] += acceleration / scene_.numerics.density_scale;
-        load_ledger_.body_force += mass[i] * acceleration * (v[i] + 0.5 * dt * a[i]) * dt;
-      }
+      for (std::size_t i = 0; i < particles_.owned(); ++i) a[i] += acceleration / scene_.numerics.density_scale;
     }
   }
   if (contact_) {
@@ -124,6 +119,16 @@ void Simulation::apply_loads(double dt) {
   if (!scene_.grips.empty()) {
     const ScopedTimer timer(timers_, "loads");
     apply_grips(dt);
+  }
+  // Work needs the velocity in the middle of the kick, which all forces together decide.
+  for (int d = 0; d < particles_.layout().velocity_components; ++d) {
+    if (!force[d]) continue;
+    const double acceleration = (*force[d])({clock_.time + dt});
+    const auto mass = particles_[field::mass];
+    const double* a = particles_.component(field::acceleration, d).data();
+    const double* v = particles_.component(field::velocity, d).data();
+    for (std::size_t i = 0; i < particles_.owned(); ++i)
+      load_ledger_.body_force += mass[i] * acceleration * (v[i] + 0.5 * dt * a[i]) * dt;
   }
 }
 

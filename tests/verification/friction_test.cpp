@@ -1,0 +1,71 @@
+/// D3 of the verification catalogue: a block that slides, stops and stays; and one that is pushed too gently to move.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/scene_run.hpp"
+
+namespace stirsph::testing {
+namespace {
+
+enum Probe { Velocity, Position, Sole };
+
+TEST(SlidingBlock, StopsWhereCoulombSaysD3) {
+  const auto simulation = started(verification_scene("d3_sliding_block"));
+  const double mass = 2785 * 20e-3 * 20e-3 * 5e-3, start = diagnose(*simulation).probes[Position];
+  double after_stop = 0, settled_sole = 0, settled_time = 0;
+  double early = 0, early_speed = 0, late = 0, late_speed = 0;
+  run_to_end(*simulation, [&] {
+    if (simulation->clock().step % 20 != 0) return;
+    const Diagnostics now = diagnose(*simulation);
+    const double t = simulation->clock().time;
+    // The mean velocity falls on a straight line; the block's ringing hides the instant at which it reaches zero.
+    if (early == 0 && now.probes[Velocity] < 9) {
+      early = t;
+      early_speed = now.probes[Velocity];
+    }
+    if (now.probes[Velocity] > 0.5) {
+      late = t;
+      late_speed = now.probes[Velocity];
+    }
+    if (t > 0.27e-3) after_stop = std::min(after_stop, now.probes[Velocity]);
+    if (settled_time == 0 && t > 0.3e-3) {
+      settled_time = t;
+      settled_sole = now.probes[Sole];
+    }
+  });
+  const Diagnostics end = diagnose(*simulation);
+  const double stop_time = late + late_speed * (late - early) / (early_speed - late_speed);
+  const double distance = end.probes[Position] - start, work = 0.5 * mass * 100;
+  const double creep = (end.probes[Sole] - settled_sole) / (simulation->clock().time - settled_time);
+  const double friction_heat = simulation->comm().sum(simulation->contact()->ledger().friction_heat);
+  std::printf(
+      "D3: stop %.5f ms, distance %.5f mm, friction heat %.5f J (eta m v^2/2 = %.5f), creep %.2g m/s, residual %.2g\n",
+      1e3 * stop_time, 1e3 * distance, friction_heat, 0.9 * work, creep, end.energy.residual());
+  EXPECT_NEAR(stop_time, 0.25641e-3, 0.005 * 0.25641e-3);
+  EXPECT_NEAR(distance, 1.28205e-3, 0.005 * 1.28205e-3);
+  EXPECT_NEAR(friction_heat, 0.9 * work, 0.005 * 0.9 * work);
+  EXPECT_LT(std::abs(creep), 1e-6);
+  EXPECT_GT(after_stop,
+            -0.01);  // elastic ringing only: a reversed friction would push the block back at metres per second
+  EXPECT_LT(std::abs(end.energy.residual()), 1e-3);
+}
+
+TEST(SlidingBlock, SticksBelowTheLimitD3) {
+  // Pressed on slowly, then pushed with 0.9 mu N.
+  const auto simulation = started(verification_scene("d3_sliding_block"),
+                                  {"body.0.velocity.x=0 m/s", "body_force.z=-1e5*min(1,t/1e-4)",
+                                   "body_force.x=0.351e5*max(0,min(1,(t-1e-4)/1e-4))", "time.end=0.35 ms"});
+  double settled = 0, settled_time = 0;
+  run_to_end(*simulation, [&] {
+    if (settled_time > 0 || simulation->clock().time < 0.25e-3) return;
+    settled_time = simulation->clock().time;
+    settled = diagnose(*simulation).probes[Sole];
+  });
+  const double creep = (diagnose(*simulation).probes[Sole] - settled) / (simulation->clock().time - settled_time);
+  std::printf("D3, pushed with 0.9 mu N: creep of the sole %.2g m/s\n", creep);
+  EXPECT_LT(std::abs(creep), 1e-6);
+}
+
+}  // namespace
+}  // namespace stirsph::testing

@@ -1,0 +1,51 @@
+/// C1 of the verification catalogue for a block of particles: large simple shear through the whole mechanics.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/scene_run.hpp"
+
+namespace stirsph::testing {
+namespace {
+
+/// Largest deviation of a stress component from `reference` over particles whose whole support lies inside the block.
+double interior_error(const Simulation& simulation, int component, double reference) {
+  const ParticleSet& particles = simulation.particles();
+  double worst = 0;
+  for (std::size_t i = 0; i < particles.owned(); ++i) {
+    bool inside = true;
+    for (int d = 0; d < 3; ++d)
+      inside &= std::abs(particles.component(field::initial_position, d)[i]) < 2e-3;  // support 2.6 mm, half side 5 mm
+    if (inside) worst = std::max(worst, std::abs(particles.component(field::stress, component)[i] - reference));
+  }
+  return simulation.comm().max(worst);
+}
+
+TEST(SimpleShearBlock, ElasticJaumannC1) {
+  const double g = 27.218045e9;  // shear modulus of AL
+  for (const double shear : {0.5, 1.0}) {
+    const auto simulation =
+        started(verification_scene("c1_shear_block"), {"time.end=" + std::to_string(0.1 * shear) + " ms"});
+    run_to_end(*simulation);
+    const double tau = interior_error(*simulation, 3, g * std::sin(shear)) / (g * std::sin(shear));
+    const double normal = interior_error(*simulation, 0, g * (1 - std::cos(shear))) / (g * (1 - std::cos(shear)));
+    std::printf("C1 block, shear %.1f: relative error tau %.2g, sigma_xx %.2g\n", shear, tau, normal);
+    EXPECT_LT(tau, 0.01);
+    EXPECT_LT(normal, 0.01);
+  }
+}
+
+TEST(SimpleShearBlock, PerfectlyPlasticSaturatesC1) {
+  const auto simulation =
+      started(verification_scene("c1_shear_block"), {"material.0.file=../materials/harsh_plastic.toml"});
+  run_to_end(*simulation);
+  // k = 100 MPa, G = 1 GPa: tau = k sqrt(1 - (k/G)^2), sigma_xx = k^2/G.
+  const double tau = interior_error(*simulation, 3, 99.4987e6) / 99.4987e6;
+  const double normal = interior_error(*simulation, 0, 10.0e6) / 10.0e6;
+  std::printf("C1 block, perfectly plastic: relative error tau %.2g, sigma_xx %.2g\n", tau, normal);
+  EXPECT_LT(tau, 0.01);
+  EXPECT_LT(normal, 0.01);
+}
+
+}  // namespace
+}  // namespace stirsph::testing
