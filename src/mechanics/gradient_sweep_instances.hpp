@@ -6,13 +6,13 @@
 namespace stirsph {
 
 template <class S>
-void MechanicsIn<S>::sweep_gradient(const PairList& pairs, std::size_t first, std::size_t last,
+void MechanicsIn<S>::sweep_gradient(const PairList& pairs, std::size_t first, std::size_t last, std::size_t owned,
                                     GradientBlock<S>& block) {
   const auto run = [&]<bool Corrected, bool Diffusion, bool VariableH, bool Keep = false>() {
     counters_.gradient_fallbacks += std::visit(
         [&]<class K>(const K&) {
           return velocity_gradient_sweep<S, K, Corrected, Diffusion, VariableH, Keep>(records_, pairs, first, last,
-                                                                                      smoothing_length(), block);
+                                                                                      owned, smoothing_length(), block);
         },
         settings_.kernel);
   };

@@ -135,7 +135,7 @@ void MechanicsIn<S>::update_stress(ParticleSet& particles, const PairList& pairs
   GradientBlock<S> block;
   for (std::size_t first = 0; first < particles.clusters(); first += GradientBlock<S>::clusters) {
     const std::size_t last = std::min(first + GradientBlock<S>::clusters, particles.clusters());
-    sweep_gradient(pairs, first, last, block);
+    sweep_gradient(pairs, first, last, particles.owned(), block);
     update_block(particles, block, first * cluster_size, dt);
   }
 }

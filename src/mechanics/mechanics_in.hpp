@@ -24,7 +24,8 @@ class MechanicsIn final : public Mechanics {
  private:
   void pack_gradient_records(const ParticleSet& particles);
   void pack_momentum_records(const ParticleSet& particles);
-  void sweep_gradient(const PairList& pairs, std::size_t first, std::size_t last, GradientBlock<S>& block);
+  void sweep_gradient(const PairList& pairs, std::size_t first, std::size_t last, std::size_t owned,
+                      GradientBlock<S>& block);
   void sweep_momentum(const PairList& pairs, std::size_t clusters, const MomentumConstants& constants,
                       double* const* force, double* dissipation);
   void update_block(ParticleSet& particles, const GradientBlock<S>& block, std::size_t first, double dt);

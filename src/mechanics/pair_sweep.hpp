@@ -66,10 +66,11 @@ void load_rows(const AlignedVector& records, std::size_t first, int offset, int 
     out[c] = Lanes([&](auto lane) { return records[(first + lane) * Record::size + offset + c]; });
 }
 
-/// First sweep over clusters [first, last). `smoothing` is h when it is the same for all particles.
+/// First sweep over clusters [first, last). `smoothing` is h when it is the same for all particles. Returns how many of
+/// the `owned` particles could not be corrected (the last cluster may hold padding behind them).
 template <class S, class K, bool Corrected, bool Diffusion, bool VariableH, bool KeepCorrection = false>
 long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs, std::size_t first, std::size_t last,
-                             double smoothing, GradientBlock<S>& block) {
+                             std::size_t owned, double smoothing, GradientBlock<S>& block) {
   constexpr int dim = S::dim;
   using Record = GradientRecord<S, VariableH>;
   const double sigma = K::normalisation(dim);
@@ -132,7 +133,8 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
           }
         }
         const auto sound = trace > Lanes(0.05 * dim) && norm2 * cofactor_norm2 < 1e4 * det * det;
-        fallbacks += static_cast<long>(lanes) - stdx::popcount(sound);
+        if (stdx::popcount(sound) != static_cast<int>(lanes))
+          for (std::size_t lane = 0; lane < lanes; ++lane) fallbacks += !sound[lane] && i0 + lane < owned;
         const LaneMatrix<Lanes, dim> corrected = multiply(gradient, cofactors);
         for (int a = 0; a < dim; ++a)
           for (int b = 0; b < dim; ++b) {

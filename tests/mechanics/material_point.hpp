@@ -25,7 +25,8 @@ struct MaterialPoint {
   /// One step of `dt` with the velocity gradient at the end of the step.
   void step(const LaneMatrix<double, 3>& gradient, double dt) {
     const auto deformation = step_deformation<Cartesian3>(to_midstep(gradient, dt), dt);
-    elastic_trial<Cartesian3>(s, deformation, material.shear_modulus(), dt);
+    double turned[6];
+    elastic_trial<Cartesian3>(s, turned, deformation, material.shear_modulus(), dt);
     if (!material.flow) return;
     const double trial = equivalent_stress<Cartesian3>(s);
     double increment = 0;
@@ -33,7 +34,7 @@ struct MaterialPoint {
         {1, &trial, &plastic_strain, &temperature, dt, material.shear_modulus(), &increment, &flow_stress});
     plastic_rate = increment / dt;
     if (increment <= 0) return;
-    for (double& c : s) c *= 1 - 3 * material.shear_modulus() * increment / trial;
+    plastic_return<Cartesian3>(turned, flow_stress, s);
     plastic_strain += increment;
     if (specific_heat > 0)
       temperature += material.taylor_quinney * flow_stress * increment / (material.density * specific_heat);

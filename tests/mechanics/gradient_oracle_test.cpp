@@ -1,0 +1,114 @@
+/// The SIMD gradient sweep against a plain double sum, for every kernel, space and option.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <tuple>
+
+#include "mechanics/sweep_fixture.hpp"
+
+namespace stirsph {
+namespace {
+
+using testing::disordered_body;
+using testing::GradientResult;
+using testing::kernel_gradient;
+using testing::swept_gradient;
+
+/// The sums of pair_sweep.hpp, written down once more.
+template <class S, class K>
+GradientResult<S> plain_sums(const ParticleSet& p, double smoothing, bool corrected, bool variable_h) {
+  constexpr int dim = S::dim;
+  GradientResult<S> result;
+  for (std::size_t i = 0; i < p.owned(); ++i) {
+    const Vec3 xi = p.vector_at(field::position, i), vi = p.vector_at(field::velocity, i);
+    Matrix<dim> gradient, moment;
+    double diffusion = 0;
+    for (std::size_t j = 0; j < p.total(); ++j) {
+      const Vec3 d = xi - p.vector_at(field::position, j), dv = p.vector_at(field::velocity, j) - vi;
+      const double h = variable_h ? 0.5 * (p[field::smoothing_length][i] + p[field::smoothing_length][j]) : smoothing;
+      const double volume = p[field::volume][j];
+      const Vec3 g = kernel_gradient<K>(d, h, dim);
+      for (int a = 0; a < dim; ++a)
+        for (int b = 0; b < dim; ++b) {
+          gradient(a, b) += volume * dv[a] * g[b];
+          moment(a, b) -= volume * d[a] * g[b];
+        }
+      if (j != i)
+        diffusion += volume * (p[field::volumetric_strain][i] - p[field::volumetric_strain][j]) *
+                     kernel_slope<K>(norm(d), h, dim) / norm(d);
+    }
+    result.correction.push_back(inverse(moment));
+    result.gradient.push_back(corrected ? gradient * result.correction.back() : gradient);
+    result.diffusion.push_back(diffusion);
+  }
+  return result;
+}
+
+template <int N>
+void track(const Matrix<N>& a, const Matrix<N>& b, double& difference, double& size) {
+  for (int c = 0; c < N * N; ++c) {
+    difference = std::max(difference, std::abs(a.a[c] - b.a[c]));
+    size = std::max(size, std::abs(b.a[c]));
+  }
+}
+
+template <class SpaceAndKernel>
+class GradientOracle : public ::testing::Test {
+ public:
+  using TheSpace = std::tuple_element_t<0, SpaceAndKernel>;
+  using TheKernel = std::tuple_element_t<1, SpaceAndKernel>;
+
+  template <bool Corrected, bool Diffusion, bool VariableH, bool Keep>
+  double compare(const ParticleSet& p, const PairList& pairs, double smoothing) {
+    using S = TheSpace;
+    using K = TheKernel;
+    const auto swept = swept_gradient<S, K, Corrected, Diffusion, VariableH, Keep>(p, pairs, smoothing);
+    const auto plain = plain_sums<S, K>(p, smoothing, Corrected, VariableH);
+    EXPECT_EQ(swept.fallbacks, 0);
+    double difference = 0, size = 0, kept = 0, kept_size = 1, diffused = 0, diffused_size = 1e-300;
+    for (std::size_t i = 0; i < p.owned(); ++i) {
+      track(swept.gradient[i], plain.gradient[i], difference, size);
+      if (Keep) track(swept.correction[i], plain.correction[i], kept, kept_size);
+      if (Diffusion) {
+        diffused = std::max(diffused, std::abs(swept.diffusion[i] - plain.diffusion[i]));
+        diffused_size = std::max(diffused_size, std::abs(plain.diffusion[i]));
+      }
+    }
+    const double worst = std::max({difference / size, kept / kept_size, diffused / diffused_size});
+    // Round-off of sums of a hundred terms, times the condition number of M (about 5 at corners).
+    EXPECT_LT(worst, 1e-12) << "corrected " << Corrected << " diffusion " << Diffusion << " variable h " << VariableH
+                            << " keep " << Keep;
+    return worst;
+  }
+};
+
+using Cases = ::testing::Types<std::tuple<Cartesian3, CubicSpline>, std::tuple<Cartesian3, WendlandC2>,
+                               std::tuple<Cartesian3, WendlandC4>, std::tuple<Cartesian3, QuinticSpline>,
+                               std::tuple<PlaneStrain, CubicSpline>, std::tuple<PlaneStrain, WendlandC2>,
+                               std::tuple<PlaneStrain, WendlandC4>, std::tuple<PlaneStrain, QuinticSpline>>;
+TYPED_TEST_SUITE(GradientOracle, Cases);
+
+TYPED_TEST(GradientOracle, EveryOption) {
+  using S = typename TestFixture::TheSpace;
+  using K = typename TestFixture::TheKernel;
+  const double h_over_dx = K::support == 3 ? 1.0 : 1.4;
+  const auto body = disordered_body<S>(S::dim == 3 ? 7 : 15, h_over_dx, K::support);
+  const double h = h_over_dx * 0.4e-3;
+  const auto& [p, pairs] = std::tie(body.particles, body.pairs);
+  double worst = 0;
+  const auto run = [&]<bool Diffusion, bool VariableH>() {
+    worst = std::max(worst, this->template compare<false, Diffusion, VariableH, false>(p, pairs, h));
+    worst = std::max(worst, this->template compare<true, Diffusion, VariableH, false>(p, pairs, h));
+    worst = std::max(worst, this->template compare<true, Diffusion, VariableH, true>(p, pairs, h));
+  };
+  run.template operator()<false, false>();
+  run.template operator()<false, true>();
+  run.template operator()<true, false>();
+  run.template operator()<true, true>();
+  std::printf("%.*s, %d-D: largest relative difference from the plain sum %.1e\n", int(K::keyword.size()),
+              K::keyword.data(), S::dim, worst);
+}
+
+}  // namespace
+}  // namespace stirsph

@@ -1,0 +1,104 @@
+/// Particles with arbitrary velocity, stress, volume, strain and h for the pair sweeps, and the neighbour records
+/// packed by hand.
+#pragma once
+
+#include <cmath>
+#include <random>
+
+#include "mechanics/pair_sweep.hpp"
+#include "support/lattice.hpp"
+
+namespace stirsph::testing {
+
+/// A jittered block whose fields follow from the particle ids, so that halo copies carry the same values.
+template <class S>
+LatticeBody disordered_body(int count, double h_over_dx, double support, double spacing = 0.4e-3) {
+  Lattice lattice;
+  lattice.dim = S::dim;
+  lattice.count = {count, count + 1, S::dim == 3 ? count - 1 : 1};
+  lattice.spacing = spacing;
+  lattice.h_over_dx = 1.1 * h_over_dx;  // room in the list for the largest h
+  lattice.support = support;
+  lattice.density = 2785;
+  lattice.jitter = 0.2;
+  LatticeBody body(Comm(), lattice, [](ParticleSet& particles) {
+    for (const FieldInfo* info :
+         {&field::velocity, &field::acceleration, &field::volumetric_strain, &field::stress_deviator, &field::stress,
+          &field::equivalent_plastic_strain, &field::plastic_strain_rate, &field::flow_stress, &field::temperature,
+          &field::artificial_stress, &field::corrected_stress})
+      particles.add(*info);
+  });
+  ParticleSet& p = body.particles;
+  const double volume = std::pow(spacing, S::dim);
+  for (std::size_t i = 0; i < p.total(); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(p[field::id][i]) + 99);
+    std::uniform_real_distribution<double> even(-1, 1);
+    p[field::volume][i] = volume * (1 + 0.1 * even(random));
+    p[field::smoothing_length][i] = h_over_dx * spacing * (1 + 0.09 * even(random));
+    p[field::volumetric_strain][i] = 0.05 * even(random);
+    p[field::material][i] = static_cast<int>(p[field::id][i]) % 2;
+    for (int d = 0; d < S::velocity_components; ++d) p.component(field::velocity, d)[i] = 10 * even(random);
+    for (int c = 0; c < S::stress_components; ++c) {
+      p.component(field::stress, c)[i] = 1e8 * even(random);
+      p.component(field::artificial_stress, c)[i] = 1e7 * even(random);
+    }
+    for (int c = 0; c < S::dim * S::dim; ++c) p.component(field::corrected_stress, c)[i] = 1e8 * even(random);
+  }
+  return body;
+}
+
+template <class S, bool VariableH>
+AlignedVector gradient_records(const ParticleSet& p) {
+  using Record = GradientRecord<S, VariableH>;
+  AlignedVector records(p.capacity() * Record::size, 0.0);
+  for (std::size_t i = 0; i < p.capacity(); ++i) {
+    double* record = records.data() + i * Record::size;
+    for (int d = 0; d < S::dim; ++d) {
+      record[Record::x + d] = p.component(field::position, d)[i];
+      record[Record::v + d] = p.component(field::velocity, d)[i];
+    }
+    record[Record::volume] = p[field::volume][i];
+    record[Record::strain] = p.has(field::volumetric_strain) ? p[field::volumetric_strain][i] : 0.0;
+    if constexpr (VariableH) record[Record::h] = p[field::smoothing_length][i];
+  }
+  return records;
+}
+
+/// What the gradient sweep gave for all owned particles.
+template <class S>
+struct GradientResult {
+  std::vector<Matrix<S::dim>> gradient, correction;
+  std::vector<double> diffusion;
+  long fallbacks = 0;
+};
+template <class S, class K, bool Corrected, bool Diffusion = false, bool VariableH = false, bool Keep = false>
+GradientResult<S> swept_gradient(const ParticleSet& p, const PairList& pairs, double smoothing) {
+  constexpr int dim = S::dim;
+  const AlignedVector records = gradient_records<S, VariableH>(p);
+  GradientResult<S> result;
+  GradientBlock<S> block{};
+  for (std::size_t first = 0; first < p.clusters(); first += GradientBlock<S>::clusters) {
+    const std::size_t last = std::min(first + GradientBlock<S>::clusters, p.clusters());
+    result.fallbacks += velocity_gradient_sweep<S, K, Corrected, Diffusion, VariableH, Keep>(
+        records, pairs, first, last, p.owned(), smoothing, block);
+    for (std::size_t i = first * cluster_size; i < std::min(last * cluster_size, p.owned()); ++i) {
+      Matrix<dim>& gradient = result.gradient.emplace_back();
+      Matrix<dim>& correction = result.correction.emplace_back();
+      for (int c = 0; c < dim * dim; ++c) {
+        gradient.a[c] = block.gradient[c][i - first * cluster_size];
+        correction.a[c] = block.correction[c][i - first * cluster_size];
+      }
+      result.diffusion.push_back(block.diffusion[i - first * cluster_size]);
+    }
+  }
+  return result;
+}
+
+/// grad_i W(x_i - x_j) as written on paper; zero for a particle and itself.
+template <class K>
+Vec3 kernel_gradient(const Vec3& d, double h, int dim) {
+  const double r = norm(d);
+  return r > 0 ? d * (kernel_slope<K>(r, h, dim) / r) : Vec3{};
+}
+
+}  // namespace stirsph::testing
