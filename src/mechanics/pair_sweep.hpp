@@ -132,7 +132,11 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
             cofactor_norm2 += cofactors.a[a][b] * cofactors.a[a][b];
           }
         }
-        const auto sound = trace > Lanes(0.05 * dim) && norm2 * cofactor_norm2 < 1e4 * det * det;
+        // On an oblique line cofactors and determinant are both round-off and their ratio says nothing: hence the bound
+        // on the determinant itself, 1e-2 of the least one that the condition number allows.
+        Lanes volume = 1e-6 * trace;
+        for (int a = 1; a < dim; ++a) volume *= trace;
+        const auto sound = trace > Lanes(0.05 * dim) && det > volume && norm2 * cofactor_norm2 < 1e4 * det * det;
         if (stdx::popcount(sound) != static_cast<int>(lanes))
           for (std::size_t lane = 0; lane < lanes; ++lane) fallbacks += !sound[lane] && i0 + lane < owned;
         const LaneMatrix<Lanes, dim> corrected = multiply(gradient, cofactors);

@@ -7,6 +7,7 @@
 /// exact integral of Hooke's law for the volume.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "mechanics/simd.hpp"
@@ -88,11 +89,14 @@ struct TrialWork {
   T old_stress, trial_stress;
 };
 
-/// Turns the old deviator and adds the elastic increment; on return `s` is the trial deviator.
+/// Turns the old deviator and adds the elastic increment; on return `s` is the trial deviator and `turned` the old one
+/// in the same frame.
 template <class S, class T>
-TrialWork<T> elastic_trial(T (&s)[S::stress_components], const StepDeformation<S, T>& step, const T& shear_modulus,
-                           double dt) {
+TrialWork<T> elastic_trial(T (&s)[S::stress_components], T (&turned)[S::stress_components],
+                           const StepDeformation<S, T>& step, const T& shear_modulus, double dt) {
   TrialWork<T> work{T(0.0), T(0.0)};
+  for (int c = 0; c < S::stress_components; ++c) turned[c] = s[c];
+  rotate<S>(turned, step.rotation);
   for (int c = 0; c < S::stress_components; ++c) {
     work.old_stress += s[c] * (T(c < 3 ? dt : 2 * dt) * step.rate[c]);
     s[c] = s[c] + shear_modulus * T(dt) * step.rate[c];  // half of 2 G D dt
@@ -112,6 +116,46 @@ T equivalent_stress(const T (&s)[S::stress_components]) {
   T sum = T(0.0);
   for (int c = 0; c < S::stress_components; ++c) sum += (c < 3 ? T(1.5) : T(3.0)) * s[c] * s[c];
   return sqrt(sum);
+}
+
+/// a:b of two symmetric tensors.
+template <class S>
+double contraction(const double* a, const double* b) {
+  double sum = 0;
+  for (int c = 0; c < S::stress_components; ++c) sum += (c < 3 ? 1.0 : 2.0) * a[c] * b[c];
+  return sum;
+}
+
+/// Brings a trial deviator back to the yield surface, |s| = sqrt(2/3) sigma_y. Its size follows from the return map;
+/// its direction is the exact solution for a constant strain rate (Krieg & Krieg 1977): after an elastic part of the
+/// step that reaches the surface, the stress turns towards the strain increment, tan(psi/2) falling as exp(-2 G |D|
+/// t/R). A radial return is first order in the direction when the flow turns; this is second order and just as stable
+/// for large steps.
+template <class S>
+void plastic_return(const double* turned, double flow_stress, double (&s)[S::stress_components]) {
+  const double radius = std::sqrt(2.0 / 3) * flow_stress;
+  double increment[S::stress_components], base[S::stress_components];
+  for (int c = 0; c < S::stress_components; ++c) increment[c] = s[c] - turned[c];
+  const double size2 = contraction<S>(increment, increment), old2 = contraction<S>(turned, turned);
+  if (size2 <= 1e-24 * old2) {  // no strain, but the flow stress fell below the stress
+    const double scale = radius / std::sqrt(contraction<S>(s, s));
+    for (double& component : s) component *= scale;
+    return;
+  }
+  const double along = contraction<S>(turned, increment);
+  double elastic = 0, scale = 1;  // share of the step that is elastic
+  if (old2 < radius * radius)
+    elastic = std::min(1.0, (std::sqrt(along * along + size2 * (radius * radius - old2)) - along) / size2);
+  else
+    scale = radius / std::sqrt(old2);
+  for (int c = 0; c < S::stress_components; ++c) base[c] = scale * turned[c] + elastic * increment[c];
+
+  const double size = std::sqrt(size2), decay = std::exp(-(1 - elastic) * size / radius);
+  const double cosine = contraction<S>(base, increment) / (radius * size);
+  const double ahead = 1 + cosine, behind = (1 - cosine) * decay * decay;
+  const double keep = 2 * decay / (ahead + behind);
+  const double turn = ((ahead - behind) / (ahead + behind) - keep * cosine) * radius / size;
+  for (int c = 0; c < S::stress_components; ++c) s[c] = keep * base[c] + turn * increment[c];
 }
 
 }  // namespace stirsph

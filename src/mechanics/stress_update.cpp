@@ -45,7 +45,8 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
   for (std::size_t i0 = first; i0 < last; i0 += cluster_size) {
     const std::size_t count = std::min(cluster_size, last - i0);
     alignas(64) std::array<double, cluster_size> shear, bulk, trial, old_work, trial_work, rate;
-    alignas(64) double s_trial[components][cluster_size];
+    alignas(64) double s_trial[components][cluster_size], s_old[components][cluster_size],
+        strain_rate[components][cluster_size];
     for (std::size_t k = 0; k < cluster_size; ++k) {
       const Material& m = materials_[static_cast<int>(material_of[std::min(i0 + k, last - 1)])];
       shear[k] = m.shear_modulus();
@@ -56,14 +57,18 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
       for (int a = 0; a < dim; ++a)
         for (int b = 0; b < dim; ++b) gradient.a[a][b] = load(&block.gradient[a * dim + b][i0 - first + part]);
       const auto step = step_deformation<S>(to_midstep(gradient, dt), dt);
-      Lanes s[components];
+      Lanes s[components], turned[components];
       for (int c = 0; c < components; ++c) s[c] = load(deviator[c] + i0 + part);
-      const TrialWork<Lanes> work = elastic_trial<S>(s, step, load(&shear[part]), dt);
+      const TrialWork<Lanes> work = elastic_trial<S>(s, turned, step, load(&shear[part]), dt);
       work.old_stress.copy_to(&old_work[part], stdx::element_aligned);
       work.trial_stress.copy_to(&trial_work[part], stdx::element_aligned);
       equivalent_stress<S>(s).copy_to(&trial[part], stdx::element_aligned);
       step.dilatation.copy_to(&rate[part], stdx::element_aligned);
-      for (int c = 0; c < components; ++c) s[c].copy_to(&s_trial[c][part], stdx::element_aligned);
+      for (int c = 0; c < components; ++c) {
+        s[c].copy_to(&s_trial[c][part], stdx::element_aligned);
+        turned[c].copy_to(&s_old[c][part], stdx::element_aligned);
+        step.rate[c].copy_to(&strain_rate[c][part], stdx::element_aligned);
+      }
     }
 
     std::array<double, cluster_size> increment{};
@@ -98,10 +103,18 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
       const double mean = bulk[k] * strain[i];
       if (settings_.variable_h) smoothing[i] = smoothing_length() * std::exp(strain[i] / dim);
 
-      const double returned = increment[k] > 0 ? 1 - 3 * shear[k] * increment[k] / trial[k] : 1.0;
-      double total[components], tensile[components];
+      double s[components], total[components], tensile[components];
+      for (int c = 0; c < components; ++c) s[c] = s_trial[c][k];
+      double end_work = trial_work[k];
+      if (increment[k] > 0) {
+        double old[components];
+        for (int c = 0; c < components; ++c) old[c] = s_old[c][k];
+        plastic_return<S>(old, flow_stress[i], s);
+        end_work = 0;
+        for (int c = 0; c < components; ++c) end_work += (c < 3 ? dt : 2 * dt) * s[c] * strain_rate[c][k];
+      }
       for (int c = 0; c < components; ++c) {
-        deviator[c][i] = returned * s_trial[c][k];
+        deviator[c][i] = s[c];
         total[c] = deviator[c][i] + (c < 3 ? mean : 0.0);
         stress[c][i] = total[c];
       }
@@ -120,8 +133,8 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
           }
 
       // Work per volume: strain times the mean of old and new stress; what is not plastic is stored.
-      const double deviatoric_work = 0.5 * (old_work[k] + returned * trial_work[k]);
-      const double plastic = increment[k] * (trial[k] - 3 * shear[k] * increment[k]);
+      const double deviatoric_work = 0.5 * (old_work[k] + end_work);
+      const double plastic = increment[k] > 0 ? increment[k] * flow_stress[i] : 0.0;
       const double pressure_work = -0.5 * (old_pressure - mean) * deformed;
       ledger_.plastic += plastic * volume[i];
       ledger_.elastic += (deviatoric_work - plastic + pressure_work) * volume[i];

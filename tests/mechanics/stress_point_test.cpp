@@ -224,7 +224,7 @@ void check_plastic_shear(double shear_modulus, double strength) {
   };
   const auto fine = errors(1e-4);
   // The order shows where the errors are above round-off.
-  const auto coarse = errors(2e-2), half = errors(1e-2);
+  const auto coarse = errors(2e-3), half = errors(1e-3);
   const double order = std::log2(coarse[1] / half[1]);
   const MaterialPoint p = sheared(material, 2, 1e-4);
   std::printf("G/k %.0f: tau %.6e Pa (error %.1e), sigma_xx %.5e Pa (error/tau %.1e), order %.2f\n",
