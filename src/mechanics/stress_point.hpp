@@ -137,17 +137,18 @@ void plastic_return(const double* turned, double flow_stress, double (&s)[S::str
   double increment[S::stress_components], base[S::stress_components];
   for (int c = 0; c < S::stress_components; ++c) increment[c] = s[c] - turned[c];
   const double size2 = contraction<S>(increment, increment), old2 = contraction<S>(turned, turned);
-  if (size2 <= 1e-24 * old2) {  // no strain, but the flow stress fell below the stress
-    const double scale = radius / std::sqrt(contraction<S>(s, s));
-    for (double& component : s) component *= scale;
+  // Stress that lies outside because the flow stress fell starts from the surface. The share of the step that is
+  // elastic ends where the straight path leaves the surface: also when it starts there and first cuts through (reversed
+  // loading).
+  const double scale = old2 > radius * radius ? radius / std::sqrt(old2) : 1.0;
+  const double along = scale * contraction<S>(turned, increment);
+  const double inside = radius * radius - std::min(old2, radius * radius);
+  const double leaves = std::sqrt(along * along + size2 * inside) - along, elastic = leaves / size2;
+  if (size2 <= 1e-24 * old2 || leaves >= size2) {  // (almost) no strain beside the fall of the flow stress
+    const double back = radius / std::sqrt(contraction<S>(s, s));
+    for (double& component : s) component *= back;
     return;
   }
-  const double along = contraction<S>(turned, increment);
-  double elastic = 0, scale = 1;  // share of the step that is elastic
-  if (old2 < radius * radius)
-    elastic = std::min(1.0, (std::sqrt(along * along + size2 * (radius * radius - old2)) - along) / size2);
-  else
-    scale = radius / std::sqrt(old2);
   for (int c = 0; c < S::stress_components; ++c) base[c] = scale * turned[c] + elastic * increment[c];
 
   const double size = std::sqrt(size2), decay = std::exp(-(1 - elastic) * size / radius);

