@@ -47,6 +47,10 @@ class PlotError(Exception):
     """Something the user can mend; printed without a traceback."""
 
 
+# Columns that serve the machine rather than the eye.
+BOOKKEEPING = ("step", "dt")
+
+
 def read_history(path):
     """Returns (names, units, rows) of history.csv; rows cut off by a kill are skipped."""
     if not path.exists():
@@ -75,16 +79,21 @@ def draw_panel(axes, time, names, unit, values):
     """One panel: all columns of one unit over time."""
     label, factor = plotted_unit(unit, values)
     title = QUANTITIES.get(unit, (unit, []))[0]
-    # A column that stays zero tells nothing and hides the others in a long legend.
-    shown = [k for k in range(len(names)) if np.any(values[:, k] != 0)] or list(range(len(names)))
+    # A column that stays (nearly) zero beside the others tells nothing and makes the legend long; ratios of any size count.
+    largest = np.nanmax(np.abs(values), axis=0)
+    floor = 0.0 if unit == "1" else 0.01 * np.nanmax(largest)
+    shown = [k for k in range(len(names)) if largest[k] > floor] or list(range(len(names)))
     colours = plt.get_cmap("tab10" if len(shown) <= 10 else "tab20")
     for order, k in enumerate(shown):
         style = "-" if order < 20 else "--"
         axes.plot(time, values[:, k] / factor, style, lw=1.2, color=colours(order % colours.N), label=names[k])
     axes.set_ylabel(f"{title} [{label}]" if label != "1" else title)
     axes.margins(x=0.01)
+    if unit == "1" and np.any(values[:, shown] > 0):
+        axes.set_yscale("log")
+        axes.set_ylim(bottom=max(axes.get_ylim()[0], 1e-6))
     if len(shown) > 1:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0)
+        axes.legend(loc="best", fontsize=7, ncol=2 if len(shown) > 5 else 1)
     else:
         axes.set_title(names[shown[0]], loc="left", fontsize=9)
 
@@ -92,14 +101,19 @@ def draw_panel(axes, time, names, unit, values):
 def plot_histories(run, output):
     """history.png: one panel per unit, those the user looks for first on top. Returns the files written."""
     names, units, rows = read_history(run / "history.csv")
-    order = [unit for unit in QUANTITIES if unit in units[1:]]
-    order += sorted({unit for unit in units[1:] if unit not in QUANTITIES})
-    figure, panels = plt.subplots(len(order), 1, figsize=(9, 2.3 * len(order) + 0.4), squeeze=False,
-                                  sharex=True, constrained_layout=True)
-    for axes, unit in zip(panels[:, 0], order):
-        columns = [k for k in range(1, len(names)) if units[k] == unit]
+    chosen = [k for k in range(1, len(names)) if names[k] not in BOOKKEEPING and not names[k].endswith(".angle")]
+    present = {units[k] for k in chosen}
+    order = [unit for unit in QUANTITIES if unit in present] + sorted(present - set(QUANTITIES))
+    lines = (len(order) + 1) // 2
+    figure, panels = plt.subplots(lines, 2, figsize=(14, 3.0 * lines + 0.4), squeeze=False, sharex=True,
+                                  constrained_layout=True)
+    for axes, unit in zip(panels.flat, order):
+        columns = [k for k in chosen if units[k] == unit]
         draw_panel(axes, rows[:, 0], [names[k] for k in columns], unit, rows[:, columns])
-    panels[-1, 0].set_xlabel("time [s]")
+    for axes in panels.flat[len(order):]:
+        axes.axis("off")
+    for axes in panels[-1]:
+        axes.set_xlabel("time [s]")
     figure.suptitle(f"{run.name}: histories", x=0.01, ha="left", fontweight="bold")
     path = output / "history.png"
     figure.savefig(path)
