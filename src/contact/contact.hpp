@@ -63,6 +63,7 @@ class Contact {
 
   const std::vector<ContactLoad>& loads() const { return loads_; }
   ContactLedger& ledger() { return ledger_; }
+  const ContactLedger& ledger() const { return ledger_; }
   const std::vector<ContactPair>& pairs() const { return pairs_; }
   /// Contact time step of eq. 11: grows with the solution step, never shrinks. Part of the state.
   double& contact_step() { return contact_step_; }

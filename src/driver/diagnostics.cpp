@@ -39,7 +39,7 @@ Diagnostics diagnose(const Simulation& simulation) {
       inertia = std::max(inertia, mass[i] / volume[i] * scene.numerics.density_scale * v2 / strength[i]);
     }
     local.kinetic = local.kinetic_physical * scene.numerics.density_scale;
-    const MechanicsLedger& work = const_cast<Mechanics*>(mechanics)->ledger();
+    const MechanicsLedger& work = mechanics->ledger();
     local.elastic = work.elastic - work.diffusion;
     local.plastic = work.plastic;
     local.viscous = work.viscous;

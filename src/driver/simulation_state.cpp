@@ -1,6 +1,6 @@
 /// Everything besides particle fields that a continued run needs.
 #include <algorithm>
-#include <bit>
+#include <utility>
 
 #include "driver/simulation.hpp"
 #include "particles/field_names.hpp"
@@ -8,18 +8,18 @@
 namespace stirsph {
 namespace {
 
-/// This rank's partial sums, in a fixed order for writing and reading.
-std::vector<double*> partial_sums(MechanicsLedger* mechanics, ContactLedger* contact, LoadLedger& loads,
-                                  std::vector<RigidHeat>& heat) {
-  std::vector<double*> sums{&loads.body_force, &loads.grips};
+/// This rank's partial sums in a fixed order: pointers to read from (all const) or to restore through.
+template <class Mechanical, class Touching, class Loads, class Bodies>
+auto partial_sums(Mechanical* mechanics, Touching* contact, Loads& loads, Bodies& heat) {
+  std::vector<decltype(&loads.grips)> sums{&loads.body_force, &loads.grips};
   if (mechanics)
-    for (double* value : {&mechanics->elastic, &mechanics->plastic, &mechanics->viscous, &mechanics->diffusion,
-                          &mechanics->plastic_heat})
+    for (auto* value : {&mechanics->elastic, &mechanics->plastic, &mechanics->viscous, &mechanics->diffusion,
+                        &mechanics->plastic_heat})
       sums.push_back(value);
   if (contact)
-    for (double* value : {&contact->external, &contact->friction, &contact->normal, &contact->friction_heat})
+    for (auto* value : {&contact->external, &contact->friction, &contact->normal, &contact->friction_heat})
       sums.push_back(value);
-  for (RigidHeat& body : heat) sums.push_back(&body.heat_input);
+  for (auto& body : heat) sums.push_back(&body.heat_input);
   return sums;
 }
 
@@ -27,12 +27,10 @@ std::vector<double*> partial_sums(MechanicsLedger* mechanics, ContactLedger* con
 
 NamedState Simulation::named_state() const {
   NamedState state;
-  auto& self = const_cast<Simulation&>(*this);  // partial_sums hands out pointers; they are only read here
   std::vector<double> partial;
-  for (const double* value :
-       partial_sums(mechanics_ ? &mechanics_->ledger() : nullptr, contact_ ? &contact_->ledger() : nullptr,
-                    self.load_ledger_, self.rigid_heat_))
-    partial.push_back(*value);
+  const MechanicsLedger* mechanical = mechanics_ ? &std::as_const(*mechanics_).ledger() : nullptr;
+  const ContactLedger* touching = contact_ ? &std::as_const(*contact_).ledger() : nullptr;
+  for (const double* value : partial_sums(mechanical, touching, load_ledger_, rigid_heat_)) partial.push_back(*value);
   state.numbers["ranks"] = {static_cast<double>(comm_.size())};
   state.numbers["partial_sums"] = comm_.all_gather(partial);
   state.numbers["clock"] = {clock_.time, static_cast<double>(clock_.step), clock_.dt, clock_.next_dt};

@@ -54,6 +54,7 @@ class Mechanics {
   const MechanicsSettings& settings() const { return settings_; }
   const std::vector<Material>& materials() const { return materials_; }
   MechanicsLedger& ledger() { return ledger_; }
+  const MechanicsLedger& ledger() const { return ledger_; }
   const MechanicsCounters& counters() const { return counters_; }
   /// Bytes of scratch storage.
   virtual std::size_t bytes() const = 0;
