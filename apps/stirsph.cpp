@@ -103,9 +103,10 @@ int main(int argc, char** argv) {
         code = execute(comm, arguments);
       } catch (const Error& error) {
         // Errors of the input are the same on all ranks and errors of the run were agreed on: one message is enough.
-        if (comm.is_root()) std::cerr << "stirsph: " << error.what() << std::endl;
-        log::error(error.what());
+        if (comm.is_root()) log::error(error.what());
         code = error.code();
+        // A broken promise inside the code may have been noticed by this rank alone; the others would wait for ever.
+        if (code == ExitCode::Internal) MPI_Abort(comm.handle(), static_cast<int>(code));
       } catch (const std::exception& error) {
         // Not agreed on: the other ranks may be waiting for this one.
         std::cerr << "stirsph: rank " << comm.rank() << ": internal error: " << error.what() << std::endl;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 
+#include "input/wording.hpp"
 #include "particles/field_names.hpp"
 
 namespace stirsph {
@@ -134,7 +135,7 @@ std::vector<double> evaluate_probes(const Simulation& simulation) {
 std::string probe_unit(const Scene& scene, const ProbeScene& probe) {
   if (probe.kind == ProbeScene::Kind::ExtrudedLength) return "m";
   if (probe.field == "von_mises" || probe.field == "pressure") return "Pa";
-  // The names are known from the declarations; a scene without that field is refused in check_probes.
+  // The names are known from the declarations; a scene without that field is refused in check_field_names.
   ParticleSet all(layout_of(scene.space));
   Neighbourhood::add_fields(all);
   make_mechanics(scene.space, scene.numerics, scene.materials)->add_fields(all);
@@ -143,20 +144,25 @@ std::string probe_unit(const Scene& scene, const ProbeScene& probe) {
   return info ? std::string(info->unit) : "1";
 }
 
-void check_probes(const Simulation& simulation) {
+void check_field_names(const Simulation& simulation) {
+  const Scene& scene = simulation.scene();
   const ParticleSet& particles = simulation.particles();
-  for (const ProbeScene& probe : simulation.scene().probes) {
+  std::vector<std::string> known;
+  for (const auto& field : particles.fields()) known.emplace_back(field->info->name);
+  if (simulation.mechanics()) known.insert(known.end(), {"von_mises", "pressure"});
+  const auto check = [&](const std::string& user, const std::string& name) {
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw InputError(scene.path + " " + user + ": this scene has no field \"" + name +
+                       "\". Known: " + input::joined(known) + "." + input::did_you_mean(name, known));
+  };
+  for (const std::string& name : scene.output.fields) check("output.fields", name);
+  for (const ProbeScene& probe : scene.probes) {
     if (probe.kind == ProbeScene::Kind::ExtrudedLength) continue;
-    if ((probe.field == "von_mises" || probe.field == "pressure") && simulation.mechanics()) continue;
+    check("probe \"" + probe.name + "\"", probe.field);
     const FieldInfo* info = find_field(particles, probe.field);
-    std::string known;
-    for (const auto& field : particles.fields()) known += (known.empty() ? "" : ", ") + std::string(field->info->name);
-    if (!info)
-      throw InputError(simulation.scene().path + " probe \"" + probe.name + "\": this scene has no field \"" +
-                       probe.field + "\". Known: " + known + (simulation.mechanics() ? ", von_mises, pressure." : "."));
-    if (probe.component >= particles.components(info->shape))
-      throw InputError(simulation.scene().path + " probe \"" + probe.name + "\": component " +
-                       std::to_string(probe.component) + " of \"" + probe.field + "\" does not exist; it has " +
+    if (info && probe.component >= particles.components(info->shape))
+      throw InputError(scene.path + " probe \"" + probe.name + "\": component " + std::to_string(probe.component) +
+                       " of \"" + probe.field + "\" does not exist; it has " +
                        std::to_string(particles.components(info->shape)) + ".");
   }
 }

@@ -13,8 +13,8 @@ std::vector<double> evaluate_probes(const Simulation& simulation);
 /// SI unit of a probe's value.
 std::string probe_unit(const Scene& scene, const ProbeScene& probe);
 
-/// Throws InputError for probes of fields the scene does not have.
-void check_probes(const Simulation& simulation);
+/// Throws InputError for probes and snapshots of fields the scene does not have.
+void check_field_names(const Simulation& simulation);
 
 /// Length [m] of unbroken material beyond a rigid body's reference point, against its direction of motion: bins one
 /// spacing wide, counted while each holds at least a quarter as many particles as the fullest. Collective.

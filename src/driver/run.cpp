@@ -7,6 +7,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "base/log.hpp"
 #include "driver/diagnostics.hpp"
@@ -56,7 +57,8 @@ class Run {
   void print_progress();
   void print_report(const Diagnostics& d);
   void write_summary(const Diagnostics& d);
-  bool due(double interval, double& next) const;
+  std::int64_t instants_passed(double interval) const;
+  bool due(double interval, std::int64_t& passed) const;
   double elapsed() const { return wall_seconds() - began_; }
 
   Comm comm_;
@@ -67,7 +69,7 @@ class Run {
   double began_;
   double first_time_ = 0;
   std::int64_t first_step_ = 0;
-  double next_history_ = 0, next_snapshot_ = 0;
+  std::int64_t history_instants_ = 0, snapshot_instants_ = 0;
   double last_progress_ = 0, last_checkpoint_ = 0, checkpoint_cost_ = 0;
   std::int64_t last_snapshot_step_ = -1, last_checkpoint_step_ = -1;
 };
@@ -125,8 +127,12 @@ void Run::open_folder() {
 void Run::begin() {
   const Scene& scene = simulation_.scene();
   std::string checkpoint = options_.restart;
+  if (!checkpoint.empty() && checkpoint != "auto" && !std::filesystem::exists(checkpoint))
+    throw InputError(
+        "--restart " + checkpoint +
+        ": there is no such file. Allowed: a checkpoint file, or auto for the newest in the output folder");
   if (checkpoint == "auto") checkpoint = find_newest_checkpoint(comm_, options_.folder);
-  comm_.together([&] { check_probes(simulation_); });
+  comm_.together([&] { check_field_names(simulation_); });
   if (checkpoint.empty()) {
     simulation_.start();
     comm_.together(
@@ -145,27 +151,28 @@ void Run::begin() {
   }
   first_time_ = simulation_.clock().time;
   first_step_ = simulation_.clock().step;
-  // The next multiples of the intervals: the same instants with and without a restart.
-  const auto next_multiple = [&](double interval) {
-    return interval > 0 ? interval * (std::floor(first_time_ / interval * (1 + 1e-12)) + 1) : 0.0;
-  };
-  next_history_ = next_multiple(scene.output.history_interval);
-  next_snapshot_ = next_multiple(scene.output.snapshot_interval);
+  history_instants_ = instants_passed(scene.output.history_interval);
+  snapshot_instants_ = instants_passed(scene.output.snapshot_interval);
 }
 
-bool Run::due(double interval, double& next) const {
+/// How many multiples of the interval lie behind the present step or nearest to it: a function of the clock alone, so
+/// that outputs fall on the same steps with and without a restart.
+std::int64_t Run::instants_passed(double interval) const {
   const Clock& clock = simulation_.clock();
-  if (interval <= 0 || clock.time < next - 0.5 * clock.dt) return false;
-  while (next - 0.5 * clock.dt <= clock.time) next += interval;
-  return true;
+  return interval > 0 ? static_cast<std::int64_t>(std::floor((clock.time + 0.5 * clock.dt) / interval)) : 0;
+}
+
+bool Run::due(double interval, std::int64_t& passed) const {
+  const std::int64_t now = instants_passed(interval);
+  return std::exchange(passed, now) < now;
 }
 
 void Run::after_step() {
   const OutputScene& output = simulation_.scene().output;
   const std::int64_t step = simulation_.clock().step;
   const bool by_steps = output.history_steps > 0 && step % output.history_steps == 0;
-  if (due(output.history_interval, next_history_) || by_steps) record_history();
-  if (due(output.snapshot_interval, next_snapshot_)) write_snapshot();
+  if (due(output.history_interval, history_instants_) || by_steps) record_history();
+  if (due(output.snapshot_interval, snapshot_instants_)) write_snapshot();
   const bool checkpoint_by_steps = output.checkpoint_steps > 0 && step % output.checkpoint_steps == 0;
   if (simulation_.requests.checkpoint || checkpoint_by_steps) save("");
   if (simulation_.requests.progress) print_progress();
@@ -215,9 +222,9 @@ void Run::save(const std::string& why) {
 void Run::save_failed_state() noexcept {
   try {
     write_checkpoint(comm_, options_.folder + "/failed_state.h5", simulation_.particles(), simulation_.named_state());
-    log::error("the state was saved in " + options_.folder + "/failed_state.h5 for inspection");
+    log::info("the state was saved in " + options_.folder + "/failed_state.h5 for inspection");
   } catch (const std::exception& failure) {
-    log::error(std::string("the state could not be saved: ") + failure.what());
+    log::warning(std::string("the state could not be saved: ") + failure.what());
   }
 }
 
@@ -301,16 +308,20 @@ void Run::write_summary(const Diagnostics& d) {
   if (!comm_.is_root()) return;
   const Scene& scene = simulation_.scene();
   double tube = 0;
+  std::string materials;
+  for (const Material& material : scene.materials)
+    materials += (materials.empty() ? "\"" : ", \"") + material.name + "\"";
   for (std::size_t k = 0; k < scene.probes.size(); ++k)
     if (scene.probes[k].kind == ProbeScene::Kind::ExtrudedLength) tube = d.probes[k];
   write_text_file(
       options_.folder + "/summary.json",
-      fmt::format("{{\"wall_s\": {:.3f}, \"steps\": {}, \"time_s\": {:.9g}, \"particles\": {}, \"ranks\": {}, "
-                  "\"tube_length_mm\": {:.4g}, \"T_max_K\": {:.6g}, \"lost_particles\": {}, "
-                  "\"energy_residual\": {:.4g}, \"inertia_number\": {:.4g}, \"spacing_mm\": {:.6g}}}\n",
-                  elapsed(), simulation_.clock().step, simulation_.clock().time, simulation_.particle_count(),
-                  comm_.size(), 1e3 * tube, d.temperature_max, d.leaked, d.energy.residual(), d.inertia_number,
-                  1e3 * scene.numerics.spacing));
+      fmt::format(
+          "{{\"wall_s\": {:.3f}, \"steps\": {}, \"time_s\": {:.9g}, \"particles\": {}, \"ranks\": {}, "
+          "\"tube_length_mm\": {:.4g}, \"T_max_K\": {:.6g}, \"lost_particles\": {}, "
+          "\"energy_residual\": {:.4g}, \"inertia_number\": {:.4g}, \"spacing_mm\": {:.6g}, \"materials\": [{}]}}\n",
+          elapsed(), simulation_.clock().step, simulation_.clock().time, simulation_.particle_count(), comm_.size(),
+          1e3 * tube, d.temperature_max, d.leaked, d.energy.residual(), d.inertia_number, 1e3 * scene.numerics.spacing,
+          materials));
 }
 
 }  // namespace

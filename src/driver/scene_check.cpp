@@ -26,7 +26,7 @@ double measured_step(Simulation& simulation) {
 
 std::string check_scene(const Comm& comm, const Scene& scene) {
   Simulation simulation(comm, scene);
-  check_probes(simulation);
+  check_field_names(simulation);
   simulation.start();
   std::string text;
   const auto line = [&](const std::string& name, const std::string& value) {

@@ -26,8 +26,7 @@ void Simulation::step() {
   if (mechanics_) {
     kick(0.5 * dt);  // v at the middle of the step
     drift(dt);       // x at its end
-    for (std::size_t r = 0; r < rigids_.size(); ++r)
-      motions_[r].advance(rigids_[r].pose, clock_.time, dt, rigid_force_[r]);
+    guarded([&] { move_rigids(dt); });
 
     if (list_expired_) {
       renew_neighbours();
@@ -47,7 +46,7 @@ void Simulation::step() {
       const ScopedTimer timer(timers_, "forces");
       mechanics_->update_acceleration(particles_, neighbourhood_->pairs(), dt);
     }
-    apply_loads(dt);
+    guarded([&] { apply_loads(dt); });  // formulas of place and time may have no value at one rank's particles
     kick(0.5 * dt);
   }
   if (scene_.heat.mode != HeatScene::Mode::Off) advance_heat(dt);
@@ -77,6 +76,16 @@ void Simulation::drift(double dt) {
     double* x = particles_.component(field::position, d).data();
     const double* v = particles_.component(field::velocity, d).data();
     for (std::size_t i = 0; i < particles_.owned(); ++i) x[i] += dt * v[i];
+  }
+}
+
+void Simulation::move_rigids(double dt) {
+  for (std::size_t r = 0; r < rigids_.size(); ++r) {
+    try {
+      motions_[r].advance(rigids_[r].pose, clock_.time, dt, rigid_force_[r]);
+    } catch (const InputError& wrong) {  // a formula without a value at this time
+      throw InputError("rigid \"" + rigids_[r].name + "\": " + wrong.what());
+    }
   }
 }
 
@@ -246,7 +255,8 @@ void Simulation::vote() {
                      std::to_string(x.x) + ", " + std::to_string(x.y) + ", " + std::to_string(x.z) +
                      ") m has the speed " + std::to_string(norm(velocity)) + " m/s, above the limit " +
                      std::to_string(limit) +
-                     " m/s: the computation has become unstable. Reduce time.cfl or the tool's speed, add viscosity or "
+                     " m/s: the computation has become unstable. Take smaller steps (time.cfl, time.step), slow the "
+                     "tool, add viscosity or "
                      "artificial stress, or raise limits.speed if the speed is real.");
       }
     });
@@ -281,9 +291,9 @@ void Simulation::vote() {
       rigid_torque_[r][d] = ballot.sum(6 * r + 3 + d);
     }
   if (penetration_ > scene_.limits.penetration * scene_.numerics.spacing)
-    throw BlowUp(
-        "a particle has penetrated a rigid body by " + std::to_string(penetration_ / scene_.numerics.spacing) +
-        " spacings (limits.penetration): contact is lost. Raise penalty_scale or soft_scale, or reduce time.cfl.");
+    throw BlowUp("a particle has penetrated a rigid body by " + std::to_string(penetration_ / scene_.numerics.spacing) +
+                 " spacings (limits.penetration): contact is lost. Raise penalty_scale or soft_scale, or take smaller "
+                 "steps (time.cfl, time.step).");
   clock_.next_dt = stable_step();
   // Two particles may approach by twice the largest displacement. The list must still hold after the next drift; half
   // more than the present speed covers its acceleration.

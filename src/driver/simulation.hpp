@@ -97,11 +97,13 @@ class Simulation {
   void build_contact();
   void refuse_overlaps();
   void refuse_coincident_particles();
+  void refuse_empty_sets();
   void prepare_rigids();
   BilletStiffness billet_stiffness(const RigidScene& rigid) const;
 
   void kick(double dt);
   void drift(double dt);
+  void move_rigids(double dt);
   void renew_neighbours();
   void apply_loads(double dt);
   void apply_grips(double dt);
@@ -112,6 +114,7 @@ class Simulation {
   double stable_step() const;
   double surface_speed() const;
   void collect_grip_members();
+  void set_grip_velocities();
 
   /// Runs a phase that may fail on one rank only; the failure is agreed on in the vote.
   template <class Work>

@@ -167,10 +167,13 @@ void Simulation::refuse_coincident_particles() {
         for (const std::int32_t j : pairs.candidates(c)) {
           if (static_cast<std::size_t>(j) == i) continue;
           if (norm(x - particles_.vector_at(field::position, j)) >= least) continue;
-          const auto body = [&](std::size_t k) {
-            return std::to_string(static_cast<std::int64_t>(particles_[field::id][k]));
+          const auto named = [&](std::size_t k) {
+            const auto id = static_cast<std::int64_t>(particles_[field::id][k]);
+            std::size_t b = 0;
+            for (std::int64_t end = body_counts_[0].particles; id >= end; end += body_counts_[b].particles) ++b;
+            return std::to_string(id) + " of " + body_counts_[b].name;
           };
-          throw InputError(scene_.path + ": particles " + body(i) + " and " + body(j) + " sit on each other at (" +
+          throw InputError(scene_.path + ": particles " + named(i) + " and " + named(j) + " sit on each other at (" +
                            std::to_string(1e3 * x.x) + ", " + std::to_string(1e3 * x.y) + ", " +
                            std::to_string(1e3 * x.z) +
                            ") mm: bodies overlap, or the periodic box is smaller than a body. Cut one shape with a "
@@ -178,6 +181,19 @@ void Simulation::refuse_coincident_particles() {
         }
       }
   });
+}
+
+void Simulation::refuse_empty_sets() {
+  std::vector<double> members(scene_.sets.size());
+  for (std::size_t s = 0; s < members.size(); ++s)
+    for (const double mask : particles_[field::sets].first(particles_.owned()))
+      members[s] += static_cast<double>(static_cast<std::uint64_t>(mask) >> s & 1);
+  comm_.sum_in_place(members);
+  for (std::size_t s = 0; s < members.size(); ++s)
+    if (members[s] == 0)
+      throw InputError(scene_.path + " set \"" + scene_.sets[s].name +
+                       "\": it holds no particle. Particle centres lie at least half a spacing inside their body: "
+                       "enlarge or move the region, or correct the bodies");
 }
 
 void Simulation::collect_grip_members() {
@@ -190,21 +206,7 @@ void Simulation::collect_grip_members() {
   }
 }
 
-void Simulation::start() {
-  comm_.together([&] { body_counts_ = populate(scene_, comm_, particles_); });
-  particle_count_ = comm_.sum(static_cast<std::int64_t>(particles_.owned()));
-  if (mechanics_) mechanics_->initialise(particles_);
-  refuse_overlaps();
-
-  const double support = comm_.max(mechanics_ ? mechanics_->support(particles_)
-                                              : scene_.numerics.h_over_dx * scene_.numerics.spacing *
-                                                    kernel_support(scene_.numerics.kernel));
-  neighbourhood_->rebuild(particles_, support, true);
-  refuse_coincident_particles();
-  clock_.next_dt = scene_.time.fixed_step;
-  if (!mechanics_) return;
-
-  collect_grip_members();
+void Simulation::set_grip_velocities() {
   for (std::size_t g = 0; g < scene_.grips.size(); ++g)
     for (const std::int32_t i : grip_members_[g]) {
       const GripScene& grip = scene_.grips[g];
@@ -219,6 +221,25 @@ void Simulation::start() {
         particles_.component(field::velocity, d)[i] = v[d];
       }
     }
+}
+
+void Simulation::start() {
+  comm_.together([&] { body_counts_ = populate(scene_, comm_, particles_); });
+  particle_count_ = comm_.sum(static_cast<std::int64_t>(particles_.owned()));
+  refuse_empty_sets();
+  if (mechanics_) mechanics_->initialise(particles_);
+  refuse_overlaps();
+
+  const double support = comm_.max(mechanics_ ? mechanics_->support(particles_)
+                                              : scene_.numerics.h_over_dx * scene_.numerics.spacing *
+                                                    kernel_support(scene_.numerics.kernel));
+  neighbourhood_->rebuild(particles_, support, true);
+  refuse_coincident_particles();
+  clock_.next_dt = scene_.time.fixed_step;
+  if (!mechanics_) return;
+
+  collect_grip_members();
+  comm_.together([&] { set_grip_velocities(); });
   neighbourhood_->halo().exchange(particles_, Halo::Kinematic);
 
   double kinetic = 0;

@@ -20,7 +20,9 @@ std::string list(const std::vector<T>& values, Write write) {
 }
 
 /// The value of a key that fits on one line.
-std::string written(const Entry& entry, const Node::Value& value) {
+std::string written(const Node& node, const Entry& entry, const Node::Value& value) {
+  if (entry.is_file)
+    return in_quotes(std::filesystem::absolute(node.beside(std::get<std::string>(value.content))).string());
   const auto& unit = entry.si_unit;
   struct Writer {
     const std::string& unit;
@@ -60,7 +62,7 @@ void write(const Node& node, const std::string& name, std::string& out) {
       continue;
     }
     const Node::Value& value = found->second;
-    const std::string text = written(*entry, value);
+    const std::string text = written(node, *entry, value);
     if (text.empty()) continue;
     out += entry->key + " = " + text + "  # " + remark(entry->doc) + (value.from_default ? " (default)" : "") + "\n";
   }

@@ -94,7 +94,8 @@ double Expression::operator()(const std::vector<double>& values) const {
     std::string at;
     for (std::size_t i = 0; i < values.size(); ++i)
       at += (i ? ", " : "") + p.variables[i] + " = " + shortest(values[i]);
-    throw InputError("the formula \"" + p.text + "\" gives " + shortest(result) + " at " + at);
+    throw InputError("the formula \"" + p.text + "\" gives " + shortest(result) + " at " + at +
+                     ". It must have a value wherever and whenever it is used");
   }
   return result;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -32,6 +33,10 @@ struct Parameters::Node {
   std::string path_of(std::string_view key) const {
     if (key.empty()) return path;
     return path.empty() ? std::string(key) : path + "." + std::string(key);
+  }
+  /// Where a file named in this table lies.
+  std::filesystem::path beside(const std::string& file) const {
+    return (std::filesystem::path(folder) / file).lexically_normal();  // an absolute name replaces the folder
   }
 };
 

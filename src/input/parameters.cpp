@@ -52,6 +52,14 @@ const std::string& Parameters::text(std::string_view key) const { return content
 std::vector<std::string> Parameters::texts(std::string_view key) const {
   return content<std::vector<std::string>>(*node_, key);
 }
+std::string Parameters::file(std::string_view key) const {
+  const std::filesystem::path path = node_->beside(text(key));
+  if (!std::filesystem::is_regular_file(path))
+    fail(key, "there is no such file. Looked for " + path.string() +
+                  "; a relative name is taken from the folder of the input file");
+  return path.string();
+}
+
 Expression Parameters::expression(std::string_view key) const { return content<Expression>(*node_, key); }
 Parameters Parameters::table(std::string_view key) const { return Parameters(content<Node::NodePointer>(*node_, key)); }
 

@@ -24,6 +24,8 @@ class Parameters {
   bool boolean(std::string_view key) const;
   const std::string& text(std::string_view key) const;  ///< Text or Choice
   std::vector<std::string> texts(std::string_view key) const;
+  /// Path of a text declared as file(): relative names lie beside the input file. Fails when there is no such file.
+  std::string file(std::string_view key) const;
   Expression expression(std::string_view key) const;
   Parameters table(std::string_view key) const;                ///< Table or Variant
   std::vector<Parameters> tables(std::string_view key) const;  ///< Tables or Variants
@@ -35,7 +37,8 @@ class Parameters {
   /// Folder of the file the table came from: relative paths in it mean files beside it.
   std::string folder() const;
 
-  /// The effective input, defaults included, as TOML with a comment for each key's meaning.
+  /// The effective input, defaults included, as TOML with a comment for each key's meaning. Names of files are
+  /// absolute, so that the text means the same wherever it is put.
   std::string as_toml() const;
 
   struct Node;  ///< defined in node.hpp

@@ -53,6 +53,11 @@ Entry& Entry::count(std::size_t low, std::size_t high) {
   return *this;
 }
 
+Entry& Entry::file() {
+  is_file = true;
+  return *this;
+}
+
 Entry& Entry::difference() {
   is_difference = true;
   return *this;

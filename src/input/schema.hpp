@@ -30,6 +30,7 @@ class Entry {
   Entry& not_negative();                                  ///< >= 0
   Entry& range(double lowest, double highest);            ///< inclusive, in the SI unit
   Entry& count(std::size_t lowest, std::size_t highest);  ///< number of elements of Reals, Texts, Variants
+  Entry& file();                                          ///< names a file; a relative one lies beside the input file
   Entry& difference();  ///< a difference, not a point on a scale: "5 degC" is 5 K, not 278.15 K
 
   std::string key;
@@ -43,6 +44,7 @@ class Entry {
   double highest = std::numeric_limits<double>::infinity();
   bool lowest_excluded = false;
   bool is_difference = false;
+  bool is_file = false;
   std::size_t fewest = 0, most = std::numeric_limits<std::size_t>::max();
   std::vector<std::string> choices;    ///< Choice
   std::vector<std::string> variables;  ///< Expression: names the formula may use

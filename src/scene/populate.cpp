@@ -31,12 +31,27 @@ double scatter(std::uint64_t key) {
   return static_cast<double>((key ^ (key >> 31)) >> 11) * 0x1p-52 - 1.0;
 }
 
-Vec3 initial_velocity(const BodyScene& body, const Vec3& x) {
-  Vec3 v;
-  for (int d = 0; d < 3; ++d)
-    if (body.velocity[d]) v[d] = (*body.velocity[d])({x.x, x.y, x.z});
-  if (body.rotation) v += body.rotation->rate({0.0}) * cross(body.rotation->axis, x - body.rotation->centre);
-  return v;
+struct Start {
+  Vec3 velocity;       ///< m/s
+  double temperature;  ///< K
+};
+
+Start start_at(const Scene& scene, const BodyScene& body, const Vec3& x) {
+  try {
+    Start start;
+    for (int d = 0; d < 3; ++d)
+      if (body.velocity[d]) start.velocity[d] = (*body.velocity[d])({x.x, x.y, x.z});
+    if (body.rotation)
+      start.velocity += body.rotation->rate({0.0}) * cross(body.rotation->axis, x - body.rotation->centre);
+    start.temperature = body.temperature({x.x, x.y, x.z});
+    if (!(start.temperature > 0))
+      throw InputError("the temperature is " + std::to_string(start.temperature) +
+                       " K at x, y, z = " + std::to_string(x.x) + ", " + std::to_string(x.y) + ", " +
+                       std::to_string(x.z) + " m. Allowed: > 0 K");
+    return start;
+  } catch (const InputError& wrong) {
+    throw InputError(scene.path + " body \"" + body.name + "\": " + wrong.what());
+  }
 }
 
 double set_mask(const Scene& scene, int body, const Vec3& x) {
@@ -76,7 +91,7 @@ std::vector<BodyCount> populate(const Scene& scene, const Comm& comm, ParticleSe
       if (body.jitter > 0)
         for (int d = 0; d < dim; ++d)
           x[d] += body.jitter * scene.numerics.spacing * scatter(static_cast<std::uint64_t>(3 * id + d));
-      const Vec3 v = initial_velocity(body, x);
+      const Start start = start_at(scene, body, x);
       particles[field::id][next] = static_cast<double>(id);
       particles[field::body][next] = static_cast<double>(b);
       particles[field::material][next] = body.material;
@@ -85,11 +100,11 @@ std::vector<BodyCount> populate(const Scene& scene, const Comm& comm, ParticleSe
       for (int d = 0; d < dim; ++d) {
         particles.component(field::position, d)[next] = x[d];
         if (particles.has(field::initial_position)) particles.component(field::initial_position, d)[next] = x[d];
-        if (particles.has(field::velocity)) particles.component(field::velocity, d)[next] = v[d];
+        if (particles.has(field::velocity)) particles.component(field::velocity, d)[next] = start.velocity[d];
       }
       particles[field::volume][next] = cell_volume(scene);
       particles[field::smoothing_length][next] = scene.numerics.h_over_dx * scene.numerics.spacing;
-      if (particles.has(field::temperature)) particles[field::temperature][next] = body.temperature({x.x, x.y, x.z});
+      if (particles.has(field::temperature)) particles[field::temperature][next] = start.temperature;
     }
     counts.push_back({body.name, slice.total, mass * static_cast<double>(slice.total)});
     first_id += slice.total;

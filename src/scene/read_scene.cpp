@@ -1,12 +1,11 @@
 /// Validated parameters -> Scene: names become indices, files are read, contradictions are refused.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <set>
 
 #include "geometry/shape_input.hpp"
+#include "input/wording.hpp"
 #include "scene/scene.hpp"
 
 namespace stirsph {
@@ -14,20 +13,16 @@ namespace {
 
 using input::Parameters;
 
-std::string beside(const Parameters& p, const std::string& file) {
-  const std::filesystem::path path(file);
-  return path.is_absolute() ? file : (std::filesystem::path(p.folder()) / path).lexically_normal().string();
-}
-
 /// Index of a name in a list of named things; fails with the known names.
 template <class Named>
 int index_of(const Parameters& p, const std::string& key, const std::string& name, const std::vector<Named>& things) {
-  std::string known;
+  std::vector<std::string> known;
   for (std::size_t k = 0; k < things.size(); ++k) {
     if (things[k].name == name) return static_cast<int>(k);
-    known += (known.empty() ? "" : ", ") + things[k].name;
+    known.push_back(things[k].name);
   }
-  p.fail(key, "there is nothing of this name. Known: " + (known.empty() ? "none" : known) + ".");
+  p.fail(key, "there is nothing of this name. Known: " + (known.empty() ? "none" : input::joined(known)) + "." +
+                  input::did_you_mean(name, known));
 }
 
 template <class Named>
@@ -134,9 +129,7 @@ void read_bodies(const Parameters& root, Scene& scene) {
   for (const Parameters& p : root.tables("material")) {
     refuse_duplicate(p, p.text("name"), names);
     names.push_back({p.text("name")});
-    const std::string file = beside(p, p.text("file"));
-    if (!std::filesystem::exists(file)) p.fail("file", "there is no such file (looked for " + file + ").");
-    scene.materials.push_back(make_material(input::parse_file(file, material_schema())));
+    scene.materials.push_back(make_material(input::parse_file(p.file("file"), material_schema())));
     scene.materials.back().name = p.text("name");
   }
   for (const Parameters& p : root.tables("body")) {
@@ -167,7 +160,7 @@ MotionScene read_translation(const Parameters& m) {
   } else if (type == "displacement") {
     motion.kind = MotionScene::Kind::Displacement;
     motion.direction = unit_vector(m, "direction");
-    motion.table = TabulatedCurve::read_csv(beside(m, m.text("table")), "m");
+    motion.table = TabulatedCurve::read_csv(m.file("table"), "m");
   } else if (type == "force") {
     motion.kind = MotionScene::Kind::Force;
     motion.direction = unit_vector(m, "direction");
@@ -194,7 +187,7 @@ MotionScene read_motion(const Parameters& p) {
   }
   if (p.has("rotation_table")) {
     if (!p.has("rotation")) p.fail("rotation_table", "needs [rigid.rotation] for the axis; its rate is then ignored.");
-    motion.rotation_table = TabulatedCurve::read_csv(beside(p, p.text("rotation_table")), "rad/s");
+    motion.rotation_table = TabulatedCurve::read_csv(p.file("rotation_table"), "rad/s");
   }
   return motion;
 }

@@ -35,7 +35,7 @@ const std::map<std::string, Schema>& motion_schemas() {
       velocity.expression(component, {"t"}, "velocity component").unit("m/s").by_default("0 m/s");
     m["velocity"] = velocity;
     Schema displacement("a table of displacement over time, for example measured on a machine");
-    displacement.text("table", "CSV file with a header such as: time [s], displacement [mm]");
+    displacement.text("table", "CSV file with a header such as: time [s], displacement [mm]").file();
     displacement.reals("direction", "unit vector of positive displacement").count(3, 3).by_default("[0.0, 0.0, -1.0]");
     m["displacement"] = displacement;
     Schema force("force programme: preload, dwell, ramp, hold; the velocity follows from a PI controller");
@@ -99,7 +99,7 @@ void declare_time(Schema& s) {
 void declare_bodies(Schema& s) {
   Schema& material = s.tables("material", "a material of the scene");
   material.text("name", "name used in this file");
-  material.text("file", "material data file, relative to this file");
+  material.text("file", "material data file, relative to this file").file();
 
   Schema& body = s.tables("body", "a deformable body, filled with particles");
   body.text("name", "name used in this file and in outputs");
@@ -128,6 +128,7 @@ void declare_rigids(Schema& s) {
   rigid.variant("motion", "type", motion_schemas, "how it moves; at rest when missing").optional();
   declare_rotation(rigid, "rotation", "rotation of the body about an axis that travels with it");
   rigid.text("rotation_table", "CSV file with a header such as: time [s], rate [rpm]; replaces rotation.rate")
+      .file()
       .optional();
   rigid.text("material", "name of a material, for the split of the friction heat").optional();
   rigid.reals("reference_point", "point of the body from which extruded length is measured")

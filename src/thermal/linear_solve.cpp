@@ -77,7 +77,9 @@ LinearSolve::LinearSolve(const Comm& comm, Settings settings) : impl_(std::make_
   STIRSPH_PETSC(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
   STIRSPH_PETSC(KSPSetTolerances(ksp, settings.relative_tolerance, 1e-50, 1e6, settings.maximum_iterations));
   STIRSPH_PETSC(KSPSetInitialGuessNonzero(ksp, PETSC_TRUE));
-  STIRSPH_PETSC(KSPSetFromOptions(ksp));
+  if (const int status = KSPSetFromOptions(ksp))
+    throw InputError("PETSc refuses its options: " + petsc_message(status) +
+                     ". Correct --petsc, PETSC_OPTIONS or .petscrc");
 }
 
 LinearSolve::~LinearSolve() {

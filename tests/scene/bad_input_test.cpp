@@ -1,0 +1,162 @@
+/// Wrong scenes: each is refused before the first step, with a message that names the place, the value and the remedy.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "driver/probes.hpp"
+#include "driver/simulation.hpp"
+#include "scene/scene.hpp"
+
+namespace stirsph {
+namespace {
+
+/// A scene that works; each case replaces one piece of it.
+const std::string good = R"toml(
+[numerics]
+spacing = "1 mm"
+[time]
+end = "10 us"
+[domain]
+periodic = []
+[[material]]
+name = "AL"
+file = "materials/aa2024_t351.toml"
+[[body]]
+name = "billet"
+material = "AL"
+shape = { type = "box", low = ["0 mm", "0 mm", "0 mm"], high = ["6 mm", "4 mm", "4 mm"] }
+temperature = "600 K"
+[[body]]
+name = "second"
+material = "AL"
+shape = { type = "box", low = ["20 mm", "0 mm", "0 mm"], high = ["24 mm", "4 mm", "4 mm"] }
+[[rigid]]
+name = "tool"
+shape = { type = "cylinder", base = ["3 mm", "2 mm", "4 mm"], radius = "2 mm", height = "5 mm" }
+motion = { type = "velocity", z = "-1 m/s" }
+heat = { role = "lumped", heat_capacity = "3 J/K", conductance = "500 W/m2/K" }
+[[contact]]
+rigid = "tool"
+friction = 0.3
+[[set]]
+name = "end"
+region = { type = "box", low = ["-1 mm", "-1 mm", "-1 mm"], high = ["1 mm", "9 mm", "9 mm"] }
+[[grip]]
+name = "hold"
+set = "end"
+velocity = { x = "0 m/s" }
+[[probe]]
+name = "hot"
+kind = "maximum"
+field = "temperature"
+[heat]
+mode = "adiabatic"
+)toml";
+
+const std::string folder = std::string(STIRSPH_SOURCE_DIR) + "/inputs";
+
+/// What stirsph does with a scene before its first step; the message of the error, empty when there is none.
+std::string complaint(const std::string& text) {
+  try {
+    Simulation simulation(Comm(), read_scene_text(text, folder));
+    check_field_names(simulation);
+    simulation.start();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::Input) << error.what();
+    return error.what();
+  }
+  return "";
+}
+
+std::string with(const std::string& old_piece, const std::string& new_piece) {
+  std::string text = good;
+  const std::size_t at = text.find(old_piece);
+  EXPECT_NE(at, std::string::npos) << old_piece;
+  return text.replace(at, old_piece.size(), new_piece);
+}
+
+struct BadInput {
+  const char* what;
+  const char* old_piece;
+  const char* new_piece;
+  std::vector<std::string> parts;  ///< of the message
+};
+
+const std::vector<BadInput> bad_inputs{
+    {"wrong unit",
+     "spacing = \"1 mm\"",
+     "spacing = \"1 kg\"",
+     {"scene:3 numerics.spacing = \"1 kg\"", "initial particle spacing", "Allowed: > 0 m"}},
+    {"bare number", "end = \"10 us\"", "end = 1e-5", {"scene:5 time.end = 1e-5", "unit", "\"1e-05 s\""}},
+    {"unknown key", "friction = 0.3", "fricton = 0.3", {"contact[0].fricton", "unknown key", "Known: ", "friction\"?"}},
+    {"missing key",
+     "end = \"10 us\"",
+     "",
+     {"time.end: missing", "process time at which the run ends", "end = \"1 s\""}},
+    {"missing material file",
+     "aa2024_t351.toml",
+     "aa2024_t352.toml",
+     {"material[0].file = \"materials/aa2024_t352.toml\"", "no such file", "relative"}},
+    {"unknown material", "material = \"AL\"", "material = \"steel\"", {"body[0].material = \"steel\"", "Known: AL"}},
+    {"out of range",
+     "temperature = \"600 K\"",
+     "temperature = \"600 K\"\njitter = 0.7",
+     {"body[0].jitter = 0.7", "<= 0.45"}},
+    {"negative temperature", "\"600 K\"", "\"-600 K\"", {"body", "temperature", "-600", "0 K"}},
+    {"formula without a value",
+     "temperature = \"600 K\"",
+     "velocity = { y = \"log(x-2e-3)\" }",
+     {"body \"billet\"", "log(x-2e-3)", "nan at x = ", "must have a value"}},
+    {"unknown choice",
+     "kind = \"maximum\"",
+     "kind = \"maximal\"",
+     {"probe[0].kind = \"maximal\"", "Did you mean \"maximum\"?", "extruded_length"}},
+    {"tool inside the billet",
+     "\"2 mm\", \"4 mm\"]",
+     "\"2 mm\", \"3 mm\"]",
+     {"rigid \"tool\"", "overlaps", "particle", "mm deep, allowed are", "move or shrink"}},
+    {"bodies on each other",
+     "[\"20 mm\", \"0 mm\", \"0 mm\"], high = [\"24 mm\"",
+     "[\"4 mm\", \"0 mm\", \"0 mm\"], high = [\"8 mm\"",
+     {"of billet", "of second", "sit on each other", "difference"}},
+    {"duplicate name", "name = \"second\"", "name = \"billet\"", {"body[1].name = \"billet\"", "already taken"}},
+    {"force without contact",
+     "[[contact]]\n",
+     "[[rigid]]\nname = \"press\"\n"
+     "shape = { type = \"half_space\", point = [\"0 m\", \"0 m\", \"9 mm\"], normal = [0.0, 0.0, -1.0] }\n"
+     "motion = { type = \"force\", preload = \"1 N\", target = \"2 N\" }\n[[contact]]\n",
+     {"rigid \"press\"", "force control needs a [[contact]]"}},
+    {"periodic without box", "periodic = []", "periodic = [\"x\"]", {"domain.periodic", "domain.low and domain.high"}},
+    {"lumped node without capacity",
+     "heat_capacity = \"3 J/K\", ",
+     "",
+     {"rigid[0].heat.heat_capacity", "positive heat capacity", "500 J/K"}},
+    {"empty body", "spacing = \"1 mm\"", "spacing = \"20 mm\"", {"body \"billet\"", "spacing"}},
+    {"probe of an unknown field",
+     "field = \"temperature\"",
+     "field = \"temprature\"",
+     {"probe \"hot\"", "no field \"temprature\"", "Known: ", "Did you mean \"temperature\"?"}},
+    {"snapshot of an unknown field",
+     "[heat]",
+     "[output]\nfields = [\"stres\"]\n[heat]",
+     {"output.fields", "no field \"stres\"", "Did you mean \"stress\"?"}},
+    {"empty set", "[\"1 mm\", \"9 mm\", \"9 mm\"]", "[\"0.2 mm\", \"9 mm\", \"9 mm\"]", {"set \"end\"", "no particle"}},
+    {"not TOML", "spacing = \"1 mm\"", "spacing = 1 mm", {"scene", "3"}},
+};
+
+TEST(BadInput, TheSceneItselfWorks) { EXPECT_EQ(complaint(good), ""); }
+
+TEST(BadInput, IsRefusedWithPlaceValueAndRemedy) {
+  for (const BadInput& bad : bad_inputs) {
+    const std::string message = complaint(with(bad.old_piece, bad.new_piece));
+    EXPECT_NE(message, "") << bad.what;
+    for (const std::string& part : bad.parts)
+      EXPECT_NE(message.find(part), std::string::npos) << bad.what << ": \"" << part << "\" is not in\n  " << message;
+    std::printf("%s:\n  %s\n", bad.what, message.c_str());
+  }
+}
+
+}  // namespace
+}  // namespace stirsph
