@@ -90,17 +90,17 @@ void measure(const Comm& comm, const Arguments& arguments) {
   comm.barrier();
   const double seconds = wall_seconds() - start;
   const double particles = static_cast<double>(simulation.particle_count());
-  const double bytes =
-      comm.sum(static_cast<double>(simulation.particles().bytes() + simulation.neighbourhood().bytes() +
-                                   simulation.mechanics()->bytes()));
+  const double bytes = comm.sum(static_cast<double>(
+      simulation.particles().bytes() + simulation.neighbourhood().bytes() + simulation.mechanics()->bytes()));
   const double yielding = comm.sum(static_cast<double>(simulation.mechanics()->counters().yielding));
   const double candidates = comm.sum(static_cast<double>(simulation.neighbourhood().pairs().size()));
   if (comm.is_root())
-    fmt::print("{}\nscene {}: {:.0f} particles, {} steps, {:.1f} neighbours, {:.1f} candidates per cluster, {} list "
-               "rebuilds, {:.0f} % yielding, gradient correction {}\n",
-               version_text(), arguments.scene, particles, arguments.steps, neighbours,
-               candidates / (particles / cluster_size), simulation.neighbourhood().rebuilds() - rebuilds,
-               100 * yielding / particles, arguments.gradient_correction ? "on" : "off");
+    fmt::print(
+        "{}\nscene {}: {:.0f} particles, {} steps, {:.1f} neighbours, {:.1f} candidates per cluster, {} list "
+        "rebuilds, {:.0f} % yielding, gradient correction {}\n",
+        version_text(), arguments.scene, particles, arguments.steps, neighbours,
+        candidates / (particles / cluster_size), simulation.neighbourhood().rebuilds() - rebuilds,
+        100 * yielding / particles, arguments.gradient_correction ? "on" : "off");
   for (const auto& [phase, total] : simulation.timers().seconds()) {
     const auto found = before.seconds().find(phase);
     const double own = total - (found == before.seconds().end() ? 0.0 : found->second);

@@ -11,8 +11,8 @@
 namespace stirsph {
 
 namespace kernel_detail {
-// The compiler would otherwise leave calls in the pair sweeps, which then spill every register around them (a factor 1.6 in
-// speed, measured); hence always_inline.
+// The compiler would otherwise leave calls in the pair sweeps, which then spill every register around them (a
+// factor 1.6 in speed, measured); hence always_inline.
 
 /// max(x, 0) for double; SIMD types bring their own max, found by argument-dependent lookup.
 [[gnu::always_inline]] inline double positive_part(double x) { return x > 0 ? x : 0; }
