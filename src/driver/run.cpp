@@ -231,7 +231,12 @@ void Run::print_header() const {
   std::int64_t bytes = static_cast<std::int64_t>(simulation_.particles().bytes() + simulation_.neighbourhood().bytes() +
                                                  (simulation_.mechanics() ? simulation_.mechanics()->bytes() : 0));
   bytes = comm_.sum(bytes);
+  char library[MPI_MAX_LIBRARY_VERSION_STRING], host[MPI_MAX_PROCESSOR_NAME];
+  int length = 0;
+  MPI_Get_library_version(library, &length);
+  MPI_Get_processor_name(host, &length);
   log::info(version_text());
+  log::info(fmt::format("host {}, {}", host, std::string(library).substr(0, std::string(library).find(','))));
   log::info(fmt::format("scene: {} ({}), space {}, {} ranks", scene.path, scene.title, keyword_of(scene.space),
                         comm_.size()));
   log::info(fmt::format("bodies: {}", bodies));

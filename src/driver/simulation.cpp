@@ -260,6 +260,10 @@ void Simulation::vote() {
                      "artificial stress, or raise limits.speed if the speed is real.");
       }
     });
+    // A support that has grown since the list was built uses up the skin just as motion does.
+    if (mechanics_->settings().variable_h)
+      ballot[StepVote::Displacement] +=
+          0.5 * std::max(0.0, mechanics_->support(particles_) + neighbourhood_->skin() - neighbourhood_->reach());
     if (mechanics_->settings().variable_h || least_h_ == 0)
       ballot[StepVote::NegativeLength] = -mechanics_->least_smoothing_length(particles_);
   }
