@@ -10,7 +10,8 @@
 namespace stirsph {
 
 double EnergyBalance::residual() const {
-  const double gained = kinetic - initial_kinetic + elastic + plastic + viscous + diffusion + friction + contact;
+  const double gained =
+      kinetic - initial_kinetic + elastic + plastic + viscous + artificial + diffusion + friction + contact;
   const double scale = std::max({std::abs(external), initial_kinetic, kinetic, plastic + friction});
   return scale > 0 ? (gained - external) / scale : 0.0;
 }
@@ -43,6 +44,7 @@ Diagnostics diagnose(const Simulation& simulation) {
     local.elastic = work.elastic - work.diffusion;
     local.plastic = work.plastic;
     local.viscous = work.viscous;
+    local.artificial = work.artificial;
     local.diffusion = work.diffusion;
     local.external = simulation.load_ledger().body_force + simulation.load_ledger().grips;
   }
@@ -65,6 +67,7 @@ Diagnostics diagnose(const Simulation& simulation) {
                            local.elastic,
                            local.plastic,
                            local.viscous,
+                           local.artificial,
                            local.diffusion,
                            local.friction,
                            local.contact,
@@ -72,9 +75,18 @@ Diagnostics diagnose(const Simulation& simulation) {
                            static_cast<double>(leaked),
                            static_cast<double>(particles.owned())};
   comm.sum_in_place(sums);
-  d.energy = {sums[0], sums[1], sums[2], sums[3], sums[4],
-              sums[5], sums[6], sums[7], sums[8], simulation.load_ledger().initial_kinetic};
-  d.leaked = static_cast<std::int64_t>(sums[9]) + simulation.particle_count() - static_cast<std::int64_t>(sums[10]);
+  d.energy = {sums[0],
+              sums[1],
+              sums[2],
+              sums[3],
+              sums[4],
+              sums[5],
+              sums[6],
+              sums[7],
+              sums[8],
+              sums[9],
+              simulation.load_ledger().initial_kinetic};
+  d.leaked = static_cast<std::int64_t>(sums[10]) + simulation.particle_count() - static_cast<std::int64_t>(sums[11]);
   std::vector<double> maxima{hottest, -coldest, strain, inertia};
   comm.max_in_place(maxima);
   d.temperature_max = maxima[0];
@@ -97,8 +109,8 @@ int tool_index(const Scene& scene) {
 std::vector<HistoryColumn> history_columns(const Scene& scene) {
   std::vector<HistoryColumn> columns{{"step", "1"}, {"dt", "s"}, {"T_min", "K"}, {"T_max", "K"}};
   if (scene.mechanics) {
-    for (const char* name : {"kinetic", "kinetic_physical", "elastic", "plastic", "viscous", "diffusion", "friction",
-                             "contact", "external_work"})
+    for (const char* name : {"kinetic", "kinetic_physical", "elastic", "plastic", "viscous", "artificial_stress",
+                             "diffusion", "friction", "contact", "external_work"})
       columns.push_back({std::string("energy.") + name, "J"});
     for (const char* name : {"energy.residual", "kinetic_over_internal", "inertia_number", "viscous_over_plastic",
                              "plastic_strain_max", "penetration_over_dx"})
@@ -141,9 +153,10 @@ std::vector<double> history_row(const Simulation& simulation, const Diagnostics&
   if (scene.mechanics) {
     const EnergyBalance& e = d.energy;
     const double internal = e.elastic + e.plastic;
-    put({e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.diffusion, e.friction, e.contact, e.external,
-         e.residual(), internal > 0 ? e.kinetic / internal : 0.0, d.inertia_number, d.viscous_ratio,
-         d.plastic_strain_max, simulation.largest_penetration() / scene.numerics.spacing, simulation.largest_speed()});
+    put({e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.artificial, e.diffusion, e.friction,
+         e.contact, e.external, e.residual(), internal > 0 ? e.kinetic / internal : 0.0, d.inertia_number,
+         d.viscous_ratio, d.plastic_strain_max, simulation.largest_penetration() / scene.numerics.spacing,
+         simulation.largest_speed()});
   }
   std::vector<double> contact(4 * scene.rigids.size(), 0.0);
   if (scene.mechanics && simulation.contact() && !simulation.contact()->loads().empty()) {

@@ -13,8 +13,8 @@ template <class Mechanical, class Touching, class Loads, class Bodies>
 auto partial_sums(Mechanical* mechanics, Touching* contact, Loads& loads, Bodies& heat) {
   std::vector<decltype(&loads.grips)> sums{&loads.body_force, &loads.grips};
   if (mechanics)
-    for (auto* value : {&mechanics->elastic, &mechanics->plastic, &mechanics->viscous, &mechanics->diffusion,
-                        &mechanics->plastic_heat})
+    for (auto* value : {&mechanics->elastic, &mechanics->plastic, &mechanics->viscous, &mechanics->artificial,
+                        &mechanics->diffusion, &mechanics->plastic_heat})
       sums.push_back(value);
   if (contact)
     for (auto* value : {&contact->external, &contact->friction, &contact->normal, &contact->friction_heat})

@@ -20,6 +20,8 @@ class Intersection final : public ShapeFunction {
   SurfacePoint nearest(const Vec3& point) const override;
   Bounds bounds() const override;
   std::string describe() const override;
+  void accept(ShapeVisitor& visitor) const override { visitor.visit(*this); }
+  const std::vector<ShapePointer>& members() const { return members_; }
 
  private:
   std::vector<ShapePointer> members_;
@@ -31,6 +33,8 @@ class Union final : public ShapeFunction {
   SurfacePoint nearest(const Vec3& point) const override;
   Bounds bounds() const override;
   std::string describe() const override;
+  void accept(ShapeVisitor& visitor) const override { visitor.visit(*this); }
+  const std::vector<ShapePointer>& members() const { return members_; }
 
  private:
   std::vector<ShapePointer> members_;
@@ -43,6 +47,9 @@ class Difference final : public ShapeFunction {
   SurfacePoint nearest(const Vec3& point) const override;
   Bounds bounds() const override { return shape_->bounds(); }
   std::string describe() const override;
+  void accept(ShapeVisitor& visitor) const override { visitor.visit(*this); }
+  const ShapeFunction& shape() const { return *shape_; }
+  const std::vector<ShapePointer>& removed() const { return removed_; }
 
  private:
   ShapePointer shape_;

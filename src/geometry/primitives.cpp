@@ -216,6 +216,12 @@ Bounds RevolvedPolygon::bounds() const {
   return result;
 }
 
+std::vector<RevolvedPolygon::Corner> RevolvedPolygon::corners() const {
+  std::vector<Corner> result;
+  for (const Edge& edge : edges_) result.push_back(edge.start);
+  return result;
+}
+
 ShapePointer make_cylinder(const Vec3& base, const Vec3& axis, double radius, std::optional<double> height) {
   expect(radius > 0, "the radius of a cylinder must be > 0");
   if (!height || *height == infinity) return std::make_shared<EndlessTube>(base, axis, 0.0, radius);

@@ -20,6 +20,9 @@ class HalfSpace final : public ShapeFunction {
   SurfacePoint nearest(const Vec3& point) const override;
   Bounds bounds() const override;
   std::string describe() const override;
+  void accept(ShapeVisitor& visitor) const override { visitor.visit(*this); }
+  const Vec3& point() const { return point_; }
+  const Vec3& normal() const { return normal_; }
 
  private:
   Vec3 point_, normal_;
@@ -32,6 +35,7 @@ class Box final : public ShapeFunction {
   SurfacePoint nearest(const Vec3& point) const override;
   Bounds bounds() const override { return bounds_; }
   std::string describe() const override;
+  void accept(ShapeVisitor& visitor) const override { visitor.visit(*this); }
 
  private:
   Bounds bounds_;
@@ -43,6 +47,9 @@ class Sphere final : public ShapeFunction {
   SurfacePoint nearest(const Vec3& point) const override;
   Bounds bounds() const override;
   std::string describe() const override;
+  void accept(ShapeVisitor& visitor) const override { visitor.visit(*this); }
+  const Vec3& centre() const { return centre_; }
+  double radius() const { return radius_; }
 
  private:
   Vec3 centre_;
@@ -56,6 +63,11 @@ class Torus final : public ShapeFunction {
   SurfacePoint nearest(const Vec3& point) const override;
   Bounds bounds() const override;
   std::string describe() const override;
+  void accept(ShapeVisitor& visitor) const override { visitor.visit(*this); }
+  const Vec3& centre() const { return centre_; }
+  const Vec3& axis() const { return axis_; }
+  double ring_radius() const { return ring_radius_; }
+  double section_radius() const { return section_radius_; }
 
  private:
   Vec3 centre_, axis_;
@@ -69,6 +81,11 @@ class EndlessTube final : public ShapeFunction {
   SurfacePoint nearest(const Vec3& point) const override;
   Bounds bounds() const override;
   std::string describe() const override;
+  void accept(ShapeVisitor& visitor) const override { visitor.visit(*this); }
+  const Vec3& base() const { return base_; }
+  const Vec3& axis() const { return axis_; }
+  double inner_radius() const { return inner_radius_; }
+  double outer_radius() const { return outer_radius_; }
 
  private:
   Vec3 base_, axis_;
@@ -87,6 +104,11 @@ class RevolvedPolygon final : public ShapeFunction {
   SurfacePoint nearest(const Vec3& point) const override;
   Bounds bounds() const override;
   std::string describe() const override { return description_; }
+  void accept(ShapeVisitor& visitor) const override { visitor.visit(*this); }
+  const Vec3& base() const { return base_; }
+  const Vec3& axis() const { return axis_; }
+  /// Without repeated ones, in the order given.
+  std::vector<Corner> corners() const;
 
  private:
   struct Edge {

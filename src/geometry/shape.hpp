@@ -23,6 +23,31 @@ struct SurfacePoint {
   Vec3 normal;
 };
 
+class HalfSpace;
+class Box;
+class Sphere;
+class Torus;
+class EndlessTube;
+class RevolvedPolygon;
+class Union;
+class Intersection;
+class Difference;
+
+/// For code that needs more than a shape's distance, such as the mesher: receives the shape as what it is.
+class ShapeVisitor {
+ public:
+  virtual ~ShapeVisitor() = default;
+  virtual void visit(const HalfSpace& shape) = 0;
+  virtual void visit(const Box& shape) = 0;
+  virtual void visit(const Sphere& shape) = 0;
+  virtual void visit(const Torus& shape) = 0;
+  virtual void visit(const EndlessTube& shape) = 0;
+  virtual void visit(const RevolvedPolygon& shape) = 0;
+  virtual void visit(const Union& shape) = 0;
+  virtual void visit(const Intersection& shape) = 0;
+  virtual void visit(const Difference& shape) = 0;
+};
+
 /// A solid region of space in its own frame.
 class ShapeFunction {
  public:
@@ -30,6 +55,7 @@ class ShapeFunction {
   virtual SurfacePoint nearest(const Vec3& point) const = 0;
   virtual Bounds bounds() const = 0;
   virtual std::string describe() const = 0;
+  virtual void accept(ShapeVisitor& visitor) const = 0;
   double distance(const Vec3& point) const { return nearest(point).distance; }
 };
 using ShapePointer = std::shared_ptr<const ShapeFunction>;

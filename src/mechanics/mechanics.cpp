@@ -145,15 +145,19 @@ void MechanicsIn<S>::update_acceleration(ParticleSet& particles, const PairList&
   pack_momentum_records(particles);
   std::array<double*, S::dim> force;
   for (int d = 0; d < S::dim; ++d) force[d] = particles.component(field::acceleration, d).data();
+  const bool artificial = settings_.artificial_stress > 0;
   dissipation_.resize(particles.capacity());
+  if (artificial) artificial_power_.resize(particles.capacity());
   const MomentumConstants constants{smoothing_length(), settings_.spacing, settings_.viscosity_alpha,
                                     settings_.viscosity_beta};
-  sweep_momentum(pairs, particles.clusters(), constants, force.data(), dissipation_.data());
+  sweep_momentum(pairs, particles.clusters(), constants, force.data(), dissipation_.data(), artificial_power_.data());
   const auto mass = particles[field::mass];
   for (int d = 0; d < S::dim; ++d)
     for (std::size_t i = 0; i < particles.owned(); ++i) force[d][i] /= mass[i] * settings_.density_scale;
   if (settings_.viscosity_alpha > 0 || settings_.viscosity_beta > 0)
     for (std::size_t i = 0; i < particles.owned(); ++i) ledger_.viscous += dissipation_[i] * dt;
+  if (artificial)
+    for (std::size_t i = 0; i < particles.owned(); ++i) ledger_.artificial += artificial_power_[i] * dt;
 }
 
 template class MechanicsIn<Cartesian3>;

@@ -17,6 +17,7 @@ struct MechanicsLedger {
   double elastic = 0;       ///< stored by elastic deformation
   double plastic = 0;       ///< dissipated by plastic flow
   double viscous = 0;       ///< dissipated by artificial viscosity
+  double artificial = 0;    ///< taken out by the artificial stress; negative when it feeds noise
   double diffusion = 0;     ///< taken out by density diffusion
   double plastic_heat = 0;  ///< part of `plastic` turned into heat (eq. 13)
 };

@@ -27,13 +27,13 @@ class MechanicsIn final : public Mechanics {
   void sweep_gradient(const PairList& pairs, std::size_t first, std::size_t last, std::size_t owned,
                       GradientBlock<S>& block);
   void sweep_momentum(const PairList& pairs, std::size_t clusters, const MomentumConstants& constants,
-                      double* const* force, double* dissipation);
+                      double* const* force, double* dissipation, double* artificial_power);
   void update_block(ParticleSet& particles, const GradientBlock<S>& block, std::size_t first, double dt);
 
   double smoothing_length() const { return settings_.h_over_dx * settings_.spacing; }
 
-  AlignedVector records_;      ///< neighbours packed for the sweep at hand
-  AlignedVector dissipation_;  ///< W per particle
+  AlignedVector records_;                         ///< neighbours packed for the sweep at hand
+  AlignedVector dissipation_, artificial_power_;  ///< W per particle
 };
 
 }  // namespace stirsph

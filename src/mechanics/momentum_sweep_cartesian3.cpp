@@ -2,5 +2,5 @@
 
 namespace stirsph {
 template void MechanicsIn<Cartesian3>::sweep_momentum(const PairList&, std::size_t, const MomentumConstants&,
-                                                      double* const*, double*);
+                                                      double* const*, double*, double*);
 }  // namespace stirsph

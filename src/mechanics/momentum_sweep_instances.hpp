@@ -7,16 +7,16 @@ namespace stirsph {
 
 template <class S>
 void MechanicsIn<S>::sweep_momentum(const PairList& pairs, std::size_t clusters, const MomentumConstants& constants,
-                                    double* const* force, double* dissipation) {
+                                    double* const* force, double* dissipation, double* artificial_power) {
   const auto run = [&]<bool Viscous, bool ArtificialStress, bool VariableH>() {
     std::visit(
         [&]<class K>(const K&) {
           if (settings_.gradient_correction == GradientCorrection::Full)
             momentum_sweep<S, K, Viscous, ArtificialStress, VariableH, true>(records_, pairs, 0, clusters, constants,
-                                                                             force, dissipation);
+                                                                             force, dissipation, artificial_power);
           else
             momentum_sweep<S, K, Viscous, ArtificialStress, VariableH, false>(records_, pairs, 0, clusters, constants,
-                                                                              force, dissipation);
+                                                                              force, dissipation, artificial_power);
         },
         settings_.kernel);
   };

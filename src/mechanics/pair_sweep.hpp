@@ -167,11 +167,13 @@ struct MomentumConstants {
   double alpha, beta;  ///< viscosity
 };
 
-/// Second sweep over clusters [first, last): adds forces [N] and viscous dissipation [W] per particle into arrays that
+/// Second sweep over clusters [first, last): adds forces [N] and viscous dissipation and the power taken out by the
+/// artificial stress [W] per particle into arrays that
 /// begin at particle first*8.
 template <class S, class K, bool Viscous, bool ArtificialStress, bool VariableH, bool Full>
 void momentum_sweep(const AlignedVector& records, const PairList& pairs, std::size_t first, std::size_t last,
-                    const MomentumConstants& constants, double* const* force, double* dissipation) {
+                    const MomentumConstants& constants, double* const* force, double* dissipation,
+                    double* artificial_power) {
   constexpr int dim = S::dim;
   using Record = MomentumRecord<S, VariableH, ArtificialStress, Full>;
   constexpr int tensor = Record::tensor, stress_size = Record::stress_size;
@@ -187,14 +189,14 @@ void momentum_sweep(const AlignedVector& records, const PairList& pairs, std::si
       load_rows<S, Record>(records, i0, Record::x, dim, xi);
       load_rows<S, Record>(records, i0, Record::stress, stress_size, si);
       load_rows<S, Record>(records, i0, Record::volume, 1, &volume);
+      if constexpr (Viscous || ArtificialStress) load_rows<S, Record>(records, i0, Record::v, dim, vi);
       if constexpr (Viscous) {
-        load_rows<S, Record>(records, i0, Record::v, dim, vi);
         load_rows<S, Record>(records, i0, Record::impedance, 1, &impedance);
         load_rows<S, Record>(records, i0, Record::density, 1, &density);
       }
       if constexpr (ArtificialStress) load_rows<S, Record>(records, i0, Record::artificial, tensor, ri);
       if constexpr (VariableH) load_rows<S, Record>(records, i0, Record::h, 1, &hi);
-      Lanes f[dim], dissipated = 0.0;
+      Lanes f[dim], dissipated = 0.0, absorbed = 0.0;
       for (int a = 0; a < dim; ++a) f[a] = 0.0;
 
       for (const std::int32_t j : candidates) {
@@ -221,11 +223,15 @@ void momentum_sweep(const AlignedVector& records, const PairList& pairs, std::si
         for (int c = 0; c < stress_size; ++c) stress[c] = si[c] + other[Record::stress + c];
         if constexpr (ArtificialStress) {
           const Lanes ratio = K::value(q) * at_spacing, square = ratio * ratio, fourth = square * square;
+          Lanes extra[tensor], power = 0.0;
+          for (int c = 0; c < tensor; ++c) extra[c] = fourth * (ri[c] + other[Record::artificial + c]);
           for (int a = 0; a < dim; ++a)
-            for (int b = Full ? 0 : a; b < dim; ++b) {
-              const int c = tensor_slot<S>(a < b ? a : b, a < b ? b : a);
-              stress[slot(a, b)] += fourth * (ri[c] + other[Record::artificial + c]);
+            for (int b = 0; b < dim; ++b) {
+              const Lanes& component = extra[tensor_slot<S>(a < b ? a : b, a < b ? b : a)];
+              if (Full || a <= b) stress[slot(a, b)] += component;
+              power += component * d[b] * (vi[a] - other[Record::v + a]);
             }
+          absorbed -= weight * power;
         }
         if constexpr (Viscous) {
           Lanes approach = 0.0;
@@ -247,6 +253,8 @@ void momentum_sweep(const AlignedVector& records, const PairList& pairs, std::si
       const std::size_t at = (cluster - first) * cluster_size + part;
       for (int a = 0; a < dim; ++a) Lanes(f[a] * volume).copy_to(force[a] + at, stdx::element_aligned);
       Lanes(0.5 * dissipated * volume).copy_to(dissipation + at, stdx::element_aligned);
+      if constexpr (ArtificialStress)
+        Lanes(0.5 * absorbed * volume).copy_to(artificial_power + at, stdx::element_aligned);
     }
   }
 }

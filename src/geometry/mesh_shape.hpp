@@ -1,0 +1,40 @@
+/// Meshes of the code's own shapes by the Gmsh library. Not thread-safe; call on one rank and broadcast.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "geometry/mesh.hpp"
+
+namespace stirsph {
+
+/// Edge length near + growth * (distance to the nearest of `refine_at`), at most far. Inside those solids: near.
+struct MeshSizes {
+  double near = 0;                      ///< m
+  double far = 0;                       ///< m
+  double growth = 0.3;                  ///< how much longer edges get per distance; at most 1 makes good elements
+  std::vector<ShapePointer> refine_at;  ///< in the frame of the body, such as the billet; empty: near everywhere
+};
+
+struct ShapeMeshOptions {
+  int dimensions = 3;  ///< 2: triangles of the section at z = 0
+  MeshSizes sizes;
+  std::optional<Bounds> cut;  ///< keeps what lies within; needed for endless shapes. z is of no meaning in 2-D
+};
+
+struct ShapeMesh {
+  SimplexMesh mesh;        ///< one surface group per smooth face: "face 1", "face 2", ...
+  double worst_quality;    ///< see element_quality
+  double surface_gap;      ///< see surface_gap() [m]
+  double meshing_seconds;  ///< wall-clock time
+};
+
+/// Nodes on curved faces lie on the exact surface. Throws InputError when the shape is empty, endless and not cut, or
+/// cannot be meshed.
+ShapeMesh mesh_shape(const ShapePointer& shape, const ShapeMeshOptions& options);
+
+/// The largest distance from the middle of a facet or of its edges to the shape's surface: s^2/(8R) for edges of length
+/// s across a cylinder of radius R [m].
+double surface_gap(const SimplexMesh& mesh, const ShapeFunction& shape);
+
+}  // namespace stirsph
