@@ -35,6 +35,7 @@ LIBRARIES = {
     r"toml": "input",
     r"udunits": "input",
     r"muParser": "input",
+    r"gmsh": "geometry",
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 

@@ -9,9 +9,13 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
+#include <memory>
 #include <numbers>
-#include <unordered_map>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -31,7 +35,7 @@ using Entities = gmsh::vectorpair;  // (dimension, tag)
 constexpr double mm = 1e-3, per_m = 1e3;  // m; model units per metre
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Gmsh started once, silent, on one thread (so that meshes do not depend on the machine's load).
+/// Gmsh started once, silent, on one thread.
 class GmshSession {
  public:
   static void start() { static const GmshSession session; }
@@ -417,21 +421,12 @@ double size_at(const MeshSizes& sizes, const Vec3& point) {
   return std::min(sizes.far, sizes.near + sizes.growth * std::max(distance, 0.0));
 }
 
-/// Meshes the model with the fast Delaunay mesher (HXT) and, where that one gives up, with the older one.
-void generate(int dim) {
-  gmsh::model::mesh::generate(2);
-  if (dim == 2) return;
+/// Gmsh's fast mesher (HXT) puts points where the layout of memory leads it, even on one thread; its older one always
+/// gives the same mesh.
+void generate(int dim, bool fast) {
   constexpr int hxt = 10, delaunay = 1;
-  gmsh::option::setNumber("Mesh.Algorithm3D", hxt);
-  try {
-    gmsh::model::mesh::generate(3);
-    std::vector<std::size_t> tags, nodes;
-    gmsh::model::mesh::getElementsByType(4, tags, nodes);
-    if (!tags.empty()) return;
-  } catch (const std::string&) {
-  }
-  gmsh::option::setNumber("Mesh.Algorithm3D", delaunay);
-  gmsh::model::mesh::generate(3);
+  gmsh::option::setNumber("Mesh.Algorithm3D", fast ? hxt : delaunay);
+  gmsh::model::mesh::generate(dim);
 }
 
 }  // namespace
@@ -522,7 +517,7 @@ ShapeMesh mesh_shape(const ShapePointer& shape, const ShapeMeshOptions& options)
     gmsh::model::mesh::setSizeCallback([&](int, int, double x, double y, double z) {
       return per_m * size_at(options.sizes, mm * Vec3{x, y, z});
     });
-    generate(dim);
+    generate(dim, options.fast);
 
     ShapeMesh result{};
     SimplexMesh& mesh = result.mesh;

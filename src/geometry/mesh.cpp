@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,8 +12,7 @@
 namespace stirsph {
 namespace {
 
-/// Corners of the faces opposite to no corner in particular, ordered so that their normals point out of a positively
-/// oriented element.
+/// Corners of the faces, ordered so that their normals point out of a positively oriented element.
 constexpr int tetrahedron_faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
 constexpr int triangle_edges[3][2] = {{0, 1}, {1, 2}, {2, 0}};
 

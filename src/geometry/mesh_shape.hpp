@@ -10,16 +10,18 @@ namespace stirsph {
 
 /// Edge length near + growth * (distance to the nearest of `refine_at`), at most far. Inside those solids: near.
 struct MeshSizes {
-  double near = 0;                      ///< m
-  double far = 0;                       ///< m
-  double growth = 0.3;                  ///< how much longer edges get per distance; at most 1 makes good elements
-  std::vector<ShapePointer> refine_at;  ///< in the frame of the body, such as the billet; empty: near everywhere
+  double near = 0;                        ///< m
+  double far = 0;                         ///< m
+  double growth = 0.3;                    ///< how much longer edges get per distance; at most 1 makes good elements
+  std::vector<ShapePointer> refine_at{};  ///< in the frame of the body, such as the billet; empty: near everywhere
 };
 
 struct ShapeMeshOptions {
   int dimensions = 3;  ///< 2: triangles of the section at z = 0
   MeshSizes sizes;
-  std::optional<Bounds> cut;  ///< keeps what lies within; needed for endless shapes. z is of no meaning in 2-D
+  std::optional<Bounds> cut{};  ///< keeps what lies within; needed for endless shapes. z is of no meaning in 2-D
+  bool fast =
+      false;  ///< about four times as fast, but a different mesh every time: such a mesh must be stored to restart
 };
 
 struct ShapeMesh {
