@@ -36,9 +36,10 @@ class Program:
         self.scratch.mkdir(parents=True, exist_ok=True)
         return path
 
-    def start(self, *arguments, wrapper=(), launcher_options=()):
-        command = [*self.launcher, *launcher_options, *wrapper, self.program, *map(str, arguments)]
-        return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    def start(self, *arguments, wrapper=(), environment=()):
+        command = [*self.launcher, *wrapper, self.program, *map(str, arguments)]
+        return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                env={**os.environ, **dict(environment)})
 
     def run(self, *arguments, **options):
         return finish(self.start(*arguments, **options))
@@ -185,10 +186,11 @@ def case_folder(stirsph):
 
 
 def case_disk_full(stirsph):
-    # The limit on file sizes stands in for the full disk. Only TCP between the ranks: shared memory is a file, too.
+    # The limit on file sizes stands in for the full disk. Nothing of MPI may use shared
+    # memory then: that is a file, too.
     def run(name, limit, *overrides):
         return stirsph.run(BAR, "-o", stirsph.folder(name), *overrides, wrapper=[__file__, "--limited", str(limit)],
-                           launcher_options=["--mca", "btl", "self,tcp"])
+                           environment={"OMPI_MCA_btl": "self,tcp", "PMIX_MCA_gds": "hash"})
     run("full_at_start", 20_000).expect(IO, "snapshot_", "File too large")
     run("full_later", 200_000, "-P", "output.history_steps=1", "-P", "time.end=2 ms").expect(IO, "history.csv", "File too large")
 
