@@ -8,11 +8,12 @@
 namespace stirsph::testing {
 namespace {
 
-enum Probe { Velocity, Position, Sole };
+enum Probe { Velocity, Position, Sole, Temperature };
 
 TEST(SlidingBlock, StopsWhereCoulombSaysD3) {
   const auto simulation = started(verification_scene("d3_sliding_block"));
-  const double mass = 2785 * 20e-3 * 20e-3 * 5e-3, start = diagnose(*simulation).probes[Position];
+  const double mass = 2785 * 20e-3 * 20e-3 * 5e-3, start = diagnose(*simulation).probes[Position],
+               cold = diagnose(*simulation).probes[Temperature];
   double after_stop = 0, settled_sole = 0, settled_time = 0;
   double early = 0, early_speed = 0, late = 0, late_speed = 0;
   run_to_end(*simulation, [&] {
@@ -45,6 +46,8 @@ TEST(SlidingBlock, StopsWhereCoulombSaysD3) {
   EXPECT_NEAR(stop_time, 0.25641e-3, 0.005 * 0.25641e-3);
   EXPECT_NEAR(distance, 1.28205e-3, 0.005 * 1.28205e-3);
   EXPECT_NEAR(friction_heat, 0.9 * work, 0.005 * 0.9 * work);
+  EXPECT_NEAR(mass * 875 * (end.probes[Temperature] - cold), friction_heat,
+              1e-6 * friction_heat);  // it warms the block
   EXPECT_LT(std::abs(creep), 1e-6);
   EXPECT_GT(after_stop,
             -0.01);  // elastic ringing only: a reversed friction would push the block back at metres per second

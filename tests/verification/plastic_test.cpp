@@ -35,6 +35,43 @@ TEST(SimpleShearBlock, ElasticJaumannC1) {
   }
 }
 
+/// A block that is turned as a rigid body stays free of stress: the velocity gradient refers to the middle of the step.
+TEST(TurnedBlock, HasNoStress) {
+  const auto simulation = started(verification_scene("turned_block"));
+  double first = 0;
+  run_to_end(*simulation, [&] {
+    if (simulation->clock().step == 1) first = interior_error(*simulation, 0, 0);
+  });
+  // The first half kick leads along the tangent, the rest on chords. With the gradient of the end positions each of the
+  // 300 steps would add (1e-3)^2/2 to the strain in both directions.
+  const double change = std::abs(interior_error(*simulation, 0, 0) - first) / 27.218045e9;
+  std::printf("turned block: sigma_xx/G %.2g in the first step, then changes by %.2g\n", first / 27.218045e9, change);
+  EXPECT_LT(change, 1e-7);
+}
+
+/// Plastic work becomes heat: eta of it warms the block.
+TEST(SimpleShearBlock, PlasticWorkWarmsIt) {
+  const auto simulation =
+      started(verification_scene("c1_shear_block"), {"material.0.file=../materials/al.toml", "heat.mode=adiabatic",
+                                                     "time.end=20 us", "numerics.gradient_correction=full"});
+  const auto enthalpy = [&] {
+    double sum = 0;
+    const ParticleSet& particles = simulation->particles();
+    for (std::size_t i = 0; i < particles.owned(); ++i)
+      sum += 875 * particles[field::mass][i] * particles[field::temperature][i];
+    return simulation->comm().sum(sum);
+  };
+  const double before = enthalpy();
+  run_to_end(*simulation);
+  const Diagnostics end = diagnose(*simulation);
+  const double heat = enthalpy() - before;
+  std::printf("C1 block, Johnson-Cook: heat over plastic work %.9f, residual %.2g\n", heat / end.energy.plastic,
+              end.energy.residual());
+  EXPECT_GT(end.energy.plastic, 1);
+  EXPECT_NEAR(heat / end.energy.plastic, 0.9, 1e-6);
+  EXPECT_LT(std::abs(end.energy.residual()), 1e-2);
+}
+
 TEST(SimpleShearBlock, PerfectlyPlasticSaturatesC1) {
   const auto simulation =
       started(verification_scene("c1_shear_block"), {"material.0.file=../materials/harsh_plastic.toml"});

@@ -63,6 +63,7 @@ double relative_difference(const std::vector<double>& a, const std::vector<doubl
   EXPECT_EQ(a.size(), b.size());
   double worst = 0, scale = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_TRUE(std::isfinite(a[i]) && std::isfinite(b[i])) << "value " << i;  // max() passes over NaN
     worst = std::max(worst, std::abs(a[i] - b[i]));
     scale = std::max(scale, std::abs(a[i]));
   }

@@ -10,7 +10,7 @@
 namespace stirsph::testing {
 namespace {
 
-constexpr int half_way = 60, all = 120;
+constexpr int half_way = 63, all = 120;  // half way lies between two heat solves (every 5 steps)
 
 std::string scratch(const Comm& comm, const std::string& name) {
   const std::string folder = std::string(STIRSPH_BINARY_DIR) + "/restart_test_" + std::to_string(comm.size());
@@ -38,24 +38,42 @@ void expect_identical(Simulation& a, Simulation& b) {
   EXPECT_EQ(a.named_state().numbers, b.named_state().numbers);
 }
 
-class Restart : public ::testing::TestWithParam<const char*> {};
+class RestartOf : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(Restart, IsBitwiseOnTheSameRanksG3) {
+TEST_P(RestartOf, IsBitwiseOnTheSameRanksG3) {
   const Comm comm;
   const std::string path = scratch(comm, std::string(GetParam()) + ".h5");
   const auto straight = started(verification_scene(GetParam()));
   advance(*straight, half_way);
   write_checkpoint(comm, path, straight->particles(), straight->named_state());
+  const std::size_t pairs_half_way = straight->neighbourhood().pairs().size();
   advance(*straight, all);
 
   Simulation resumed(comm, read_scene(verification_scene(GetParam())));
   resumed.resume(path);
   EXPECT_EQ(resumed.clock().step, half_way);
+  EXPECT_EQ(resumed.neighbourhood().pairs().size(), pairs_half_way) << "the list is that of its build, not a new one";
   advance(resumed, all);
   expect_identical(*straight, resumed);
 }
 
-INSTANTIATE_TEST_SUITE_P(G3, Restart, ::testing::Values("mini_tube", "spinning_block"));
+INSTANTIATE_TEST_SUITE_P(G3, RestartOf, ::testing::Values("mini_tube", "spinning_block"));
+
+/// The next step renews the pair list, and so must that of the continued run.
+TEST(Restart, WhenTheListHasJustExpiredG3) {
+  const Comm comm;
+  const std::string path = scratch(comm, "expired.h5");
+  const auto straight = started(verification_scene("spinning_block"));
+  const auto expired = [&] { return straight->named_state().numbers.at("step_state").at(5) != 0; };
+  while (!expired() && straight->clock().step < 1000) straight->step();
+  ASSERT_TRUE(expired());
+  write_checkpoint(comm, path, straight->particles(), straight->named_state());
+  Simulation resumed(comm, read_scene(verification_scene("spinning_block")));
+  resumed.resume(path);
+  straight->step();
+  resumed.step();
+  expect_identical(*straight, resumed);
+}
 
 TEST(RestartOnOtherRanks, AgreesByIdG3) {
   const Comm world;
