@@ -61,6 +61,7 @@ ExitCode execute(const Comm& comm, Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  skip_display_probes();
   choose_mpi_io();
   MPI_Init(&argc, &argv);
   ExitCode code = ExitCode::Internal;

@@ -117,6 +117,7 @@ void measure(const Comm& comm, const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  stirsph::skip_display_probes();
   stirsph::choose_mpi_io();
   MPI_Init(&argc, &argv);
   int status = 0;

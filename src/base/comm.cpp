@@ -1,9 +1,12 @@
 #include "base/comm.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <numeric>
 
 namespace stirsph {
+
+void skip_display_probes() { setenv("HWLOC_COMPONENTS", "-gl", 0); }
 
 void check_mpi(int status, const char* call) {
   if (status == MPI_SUCCESS) return;

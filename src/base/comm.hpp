@@ -12,6 +12,11 @@
 
 namespace stirsph {
 
+/// To be called by a program before MPI_Init. Keeps hwloc (used by Open MPI) from looking for graphics cards through
+/// the X displays :0 to :9: without a name service for "localhost" that costs seconds at every start. HWLOC_COMPONENTS
+/// in the environment overrules it.
+void skip_display_probes();
+
 /// Throws Error(Internal) when an MPI call did not succeed.
 void check_mpi(int status, const char* call);
 

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 #include <mpi.h>
 
+#include "base/comm.hpp"
 #include "thermal/petsc_session.hpp"
 
 int main(int argc, char** argv) {
+  stirsph::skip_display_probes();
   MPI_Init(&argc, &argv);
   int failed = 0;
   {
