@@ -99,6 +99,10 @@ void Simulation::renew_neighbours() {
   list_expired_ = false;
   if (contact_) contact_->forget_candidates();
   collect_grip_members();
+  measure_extent();
+}
+
+void Simulation::measure_extent() {
   farthest_ = 0;
   for (std::size_t i = 0; i < particles_.owned(); ++i)
     farthest_ = std::max(farthest_, norm(particles_.vector_at(field::position, i)));

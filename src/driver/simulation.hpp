@@ -114,6 +114,7 @@ class Simulation {
   double stable_step() const;
   double surface_speed() const;
   void collect_grip_members();
+  void measure_extent();
   void set_grip_velocities();
 
   /// Runs a phase that may fail on one rank only; the failure is agreed on in the vote.

@@ -26,7 +26,6 @@ Simulation::Simulation(Comm comm, Scene scene)
     settings.nonlinear_iterations = scene_.heat.nonlinear_iterations;
     if (scene_.heat.crank_nicolson) settings.scheme = HeatSettings::Scheme::CrankNicolson;
     std::vector<ThermalProperties> thermal;
-    std::vector<double> densities;
     for (const Material& material : scene_.materials) thermal.push_back(material.thermal);
     heat_ = std::make_unique<HeatSolver>(comm_, scene_.numerics.kernel, layout_of(scene_.space).dim, settings, thermal);
   }
@@ -243,11 +242,10 @@ void Simulation::start() {
   neighbourhood_->halo().exchange(particles_, Halo::Kinematic);
 
   double kinetic = 0;
-  farthest_ = 0;
+  measure_extent();
   for (std::size_t i = 0; i < particles_.owned(); ++i) {
     const Vec3 v = particles_.vector_at(field::velocity, i);
     speed_ = std::max(speed_, norm(v));
-    farthest_ = std::max(farthest_, norm(particles_.vector_at(field::position, i)));
     kinetic += 0.5 * particles_[field::mass][i] * scene_.numerics.density_scale * dot(v, v);
   }
   speed_ = comm_.max(speed_);

@@ -121,9 +121,7 @@ void Simulation::resume(const std::string& checkpoint) {
     neighbourhood_->rebuild(particles_, step[6] - neighbourhood_->skin(), true);
   if (contact_) contact_->forget_candidates();
   collect_grip_members();
-  farthest_ = 0;
-  for (std::size_t i = 0; i < particles_.owned(); ++i)
-    farthest_ = std::max(farthest_, norm(particles_.vector_at(field::position, i)));
+  measure_extent();
 }
 
 }  // namespace stirsph
