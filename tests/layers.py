@@ -20,7 +20,7 @@ LAYERS = {
     "io": ["base", "particles", "parallel"],
     "mechanics": ["base", "input", "particles", "materials", "neighbours", "parallel"],
     "contact": ["base", "input", "particles", "geometry"],
-    "thermal": ["base", "input", "particles", "materials", "neighbours", "parallel"],
+    "thermal": ["base", "input", "particles", "geometry", "materials", "neighbours", "parallel"],
     "microstructure": ["base", "input", "particles"],
 }
 LAYERS["scene"] = list(LAYERS)

@@ -97,6 +97,23 @@ std::vector<std::int64_t> Comm::all_gather(const std::vector<std::int64_t>& loca
 }
 std::vector<double> Comm::gather(const std::vector<double>& local) const { return gather_varying(*this, local, false); }
 
+std::vector<double> Comm::exchange(const std::vector<std::vector<double>>& outgoing) const {
+  std::vector<int> send_counts(size_), send_offsets(size_), receive_counts(size_), receive_offsets(size_);
+  std::vector<double> sent;
+  for (int r = 0; r < size_; ++r) {
+    send_counts[r] = static_cast<int>(outgoing[r].size());
+    send_offsets[r] = static_cast<int>(sent.size());
+    sent.insert(sent.end(), outgoing[r].begin(), outgoing[r].end());
+  }
+  check_mpi(MPI_Alltoall(send_counts.data(), 1, MPI_INT, receive_counts.data(), 1, MPI_INT, handle_), "MPI_Alltoall");
+  std::exclusive_scan(receive_counts.begin(), receive_counts.end(), receive_offsets.begin(), 0);
+  std::vector<double> received(static_cast<std::size_t>(receive_offsets.back() + receive_counts.back()));
+  check_mpi(MPI_Alltoallv(sent.data(), send_counts.data(), send_offsets.data(), MPI_DOUBLE, received.data(),
+                          receive_counts.data(), receive_offsets.data(), MPI_DOUBLE, handle_),
+            "MPI_Alltoallv");
+  return received;
+}
+
 std::string Comm::broadcast(const std::string& text, int root) const {
   std::int64_t length = static_cast<std::int64_t>(text.size());
   check_mpi(MPI_Bcast(&length, 1, MPI_INT64_T, root, handle_), "MPI_Bcast");

@@ -48,6 +48,8 @@ class Comm {
   std::vector<std::int64_t> all_gather(const std::vector<std::int64_t>& local) const;
   /// The same on the root only; empty elsewhere.
   std::vector<double> gather(const std::vector<double>& local) const;
+  /// Sends `outgoing[r]` to rank r and returns what the ranks sent to this one, in rank order.
+  std::vector<double> exchange(const std::vector<std::vector<double>>& outgoing) const;
 
   std::string broadcast(const std::string& text, int root = 0) const;
   void broadcast(std::vector<std::int64_t>& values, int root = 0) const;

@@ -57,6 +57,12 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
     const ContactPair& pair = pairs_[p];
     const RigidBody& rigid = bodies[pair.rigid];
     ContactLoad& load = loads_[pair.rigid];
+    const auto own_component = [&](const FieldInfo& info) {
+      return pair.heat_component >= 0 && particles.has(info) ? particles.component(info, pair.heat_component).data()
+                                                             : nullptr;
+    };
+    double* const body_heat = own_component(field::rigid_heat);
+    double* const impulse = own_component(field::rigid_impulse);
     for (const std::int32_t i : candidates_[p]) {
       const Vec3 x = particles.vector_at(field::position, i);
       const SurfacePoint surface = rigid.nearest(x);
@@ -107,28 +113,15 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
       load.penetration = std::max(load.penetration, depth);
       const double heat = pair.heat_conversion * friction_power * dt;
       const double share = pair.heat_share.empty() ? 1.0 : pair.heat_share[material];
-      load.heat += (1 - share) * heat;
       if (heat_field) {
         heat_field[i] += share * heat;
         ledger_.friction_heat += share * heat;
       }
+      load.heat += (1 - share) * heat;
+      if (body_heat) body_heat[i] += (1 - share) * heat;
+      if (impulse) impulse[i] += normal_force * dt;
     }
   }
-}
-
-std::vector<ContactPoint> Contact::thermal_points(const ParticleSet& particles,
-                                                  const std::vector<RigidBody>& bodies) const {
-  std::vector<ContactPoint> points;
-  const auto body_of = particles[field::body];
-  for (const ContactPair& pair : pairs_)
-    for (std::size_t i = 0; i < particles.owned(); ++i) {
-      if (!pair.bodies[static_cast<int>(body_of[i])]) continue;
-      const SurfacePoint surface = bodies[pair.rigid].nearest(particles.vector_at(field::position, i));
-      if (surface.distance >= 0.75 * spacing_) continue;
-      points.push_back({static_cast<std::int32_t>(i), pair.rigid, surface.distance,
-                        area_of(particles[field::volume][i]), 0.0, surface.normal});
-    }
-  return points;
 }
 
 std::vector<Contact::Overlap> Contact::overlaps(const ParticleSet& particles,

@@ -6,22 +6,22 @@
 #include <vector>
 
 #include "geometry/rigid_body.hpp"
-#include "particles/contact_point.hpp"
 #include "particles/particle_set.hpp"
 
 namespace stirsph {
 
 /// One contact pair: a rigid body and the particles of some bodies.
 struct ContactPair {
-  int rigid = 0;                   ///< index of the rigid body
-  std::vector<bool> bodies;        ///< which particle bodies take part
-  double friction = 0;             ///< Coulomb coefficient mu
-  double shear_limit_factor = 1;   ///< factor on sigma_y/sqrt(3) of the particle's own flow stress
-  double shear_limit = -1;         ///< Pa; when >= 0 it replaces the flow stress limit
-  double penalty_scale = 0.1;      ///< times E dx: the standard penalty stiffness
-  double soft_scale = 0.1;         ///< S_f of eq. 11
-  double damping = 0;              ///< fraction of critical damping of the normal spring
-  double heat_conversion = 0.9;    ///< eta of eq. 14
+  int rigid = 0;                  ///< index of the rigid body
+  std::vector<bool> bodies;       ///< which particle bodies take part
+  double friction = 0;            ///< Coulomb coefficient mu
+  double shear_limit_factor = 1;  ///< factor on sigma_y/sqrt(3) of the particle's own flow stress
+  double shear_limit = -1;        ///< Pa; when >= 0 it replaces the flow stress limit
+  double penalty_scale = 0.1;     ///< times E dx: the standard penalty stiffness
+  double soft_scale = 0.1;        ///< S_f of eq. 11
+  double damping = 0;             ///< fraction of critical damping of the normal spring
+  double heat_conversion = 0.9;   ///< eta of eq. 14
+  int heat_component = -1;        ///< of field::rigid_heat for the body's share of the friction heat; -1: it takes none
   std::vector<double> heat_share;  ///< per material: share of friction heat that stays in the particle (f of eq. 15)
 };
 
@@ -55,11 +55,9 @@ class Contact {
   void forget_candidates() { candidates_valid_ = false; }
 
   /// Adds contact accelerations to the field `acceleration`, which must already hold all other forces, and friction
-  /// heat. `travel` [m]: upper bound of how far any particle or body surface moved since the last call. dt [s].
+  /// heat; also the normal impulse where the particles have field::rigid_impulse. `travel` [m]: upper bound of how far
+  /// any particle or body surface moved since the last call. dt [s].
   void apply(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel, bool heat_input);
-
-  /// Particles in thermal contact now: the surface is within a quarter spacing of touching. Normals and areas included.
-  std::vector<ContactPoint> thermal_points(const ParticleSet& particles, const std::vector<RigidBody>& bodies) const;
 
   const std::vector<ContactLoad>& loads() const { return loads_; }
   ContactLedger& ledger() { return ledger_; }

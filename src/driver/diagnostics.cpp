@@ -106,6 +106,12 @@ int tool_index(const Scene& scene) {
   return -1;
 }
 
+namespace {
+bool exchanges_heat(const Scene& scene, const RigidScene& rigid) {
+  return scene.heat.mode == HeatScene::Mode::Conduction && rigid.heat.role != RigidHeatScene::Role::Insulated;
+}
+}  // namespace
+
 std::vector<HistoryColumn> history_columns(const Scene& scene) {
   std::vector<HistoryColumn> columns{{"step", "1"}, {"dt", "s"}, {"T_min", "K"}, {"T_max", "K"}};
   if (scene.mechanics) {
@@ -131,15 +137,21 @@ std::vector<HistoryColumn> history_columns(const Scene& scene) {
         columns.push_back({rigid.name + ".at_velocity_limit", "1"});
       }
     }
-    if (rigid.heat.role != RigidHeatScene::Role::Insulated) columns.push_back({rigid.name + ".temperature", "K"});
+    if (exchanges_heat(scene, rigid)) {
+      columns.push_back({rigid.name + ".temperature", "K"});
+      for (const char* name : {".heat", ".interface_heat", ".surface_heat", ".friction_heat"})
+        columns.push_back({rigid.name + name, "J"});
+    }
   }
   for (const GripScene& grip : scene.grips) {
     for (const char* axis : {"x", "y", "z"}) columns.push_back({grip.name + ".force_" + axis, "N"});
     for (const char* axis : {"x", "y", "z"}) columns.push_back({grip.name + ".torque_" + axis, "N m"});
   }
-  if (scene.heat.mode == HeatScene::Mode::Conduction)
+  if (scene.heat.mode == HeatScene::Mode::Conduction) {
     for (const char* name : {"particles", "rigid", "source", "fixed", "ambient"})
       columns.push_back({std::string("heat.") + name, "J"});
+    columns.push_back({"heat.residual", "1"});
+  }
   for (const ProbeScene& probe : scene.probes) columns.push_back({probe.name, probe_unit(scene, probe)});
   return columns;
 }
@@ -178,7 +190,10 @@ std::vector<double> history_row(const Simulation& simulation, const Diagnostics&
       if (motion.force_controlled())
         put({motion.target_force(simulation.clock().time), motion.at_velocity_limit() ? 1.0 : 0.0});
     }
-    if (scene.rigids[r].heat.role != RigidHeatScene::Role::Insulated) put({simulation.rigid_heat()[r].temperature});
+    if (exchanges_heat(scene, scene.rigids[r])) {
+      const BodyHeat& heat = simulation.heat_ledger().bodies[r];
+      put({simulation.rigid_heat()[r].temperature, heat.gained, heat.interface, heat.surface, heat.friction});
+    }
   }
   if (!scene.grips.empty()) {
     std::vector<double> loads(6 * scene.grips.size(), 0.0);
@@ -192,7 +207,7 @@ std::vector<double> history_row(const Simulation& simulation, const Diagnostics&
   }
   if (scene.heat.mode == HeatScene::Mode::Conduction) {
     const HeatLedger& heat = simulation.heat_ledger();
-    put({heat.particles, heat.rigid, heat.source, heat.fixed, heat.ambient});
+    put({heat.particles, heat.rigid, heat.source, heat.fixed, heat.ambient, heat.residual()});
   }
   row.insert(row.end(), d.probes.begin(), d.probes.end());
   return row;

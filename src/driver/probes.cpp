@@ -11,9 +11,9 @@
 namespace stirsph {
 namespace {
 
-const FieldInfo* find_field(const ParticleSet& particles, const std::string& name) {
+const Field* find_field(const ParticleSet& particles, const std::string& name) {
   for (const auto& field : particles.fields())
-    if (field->info->name == name) return field->info;
+    if (field->info->name == name) return field.get();
   return nullptr;
 }
 
@@ -35,8 +35,7 @@ std::function<double(std::size_t)> value_of(const ParticleSet& particles, const 
       return std::sqrt(sum);
     };
   }
-  const FieldInfo* info = find_field(particles, probe.field);
-  const double* values = particles.component(*info, probe.component).data();
+  const double* values = find_field(particles, probe.field)->components[probe.component].data();
   return [values](std::size_t i) { return values[i]; };
 }
 
@@ -62,6 +61,16 @@ double at_point(const Simulation& simulation, const ProbeScene& probe) {
   weight_sum = simulation.comm().sum(weight_sum);
   sum = simulation.comm().sum(sum);
   return weight_sum > 0 ? sum / weight_sum : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Temperature [K] at a place of a rigid body; of a body without a mesh its one temperature.
+double in_rigid_body(const Simulation& simulation, const ProbeScene& probe) {
+  const RigidHeat& heat = simulation.rigid_heat()[probe.rigid];
+  if (!heat.mesh) return heat.temperature;
+  double sum = 0;
+  for (const NodeWeight& node : simulation.probe_nodes(probe.name))
+    sum += node.weight * heat.node_temperature[node.node];
+  return sum;
 }
 
 double over_set(const Simulation& simulation, const ProbeScene& probe) {
@@ -121,7 +130,7 @@ std::vector<double> evaluate_probes(const Simulation& simulation) {
   std::vector<double> values;
   for (const ProbeScene& probe : simulation.scene().probes) switch (probe.kind) {
       case ProbeScene::Kind::Point:
-        values.push_back(at_point(simulation, probe));
+        values.push_back(probe.rigid >= 0 ? in_rigid_body(simulation, probe) : at_point(simulation, probe));
         break;
       case ProbeScene::Kind::ExtrudedLength:
         values.push_back(extruded_length(simulation, probe.rigid));
@@ -134,14 +143,15 @@ std::vector<double> evaluate_probes(const Simulation& simulation) {
 
 std::string probe_unit(const Scene& scene, const ProbeScene& probe) {
   if (probe.kind == ProbeScene::Kind::ExtrudedLength) return "m";
+  if (probe.rigid >= 0) return "K";
   if (probe.field == "von_mises" || probe.field == "pressure") return "Pa";
   // The names are known from the declarations; a scene without that field is refused in check_field_names.
   ParticleSet all(layout_of(scene.space));
   Neighbourhood::add_fields(all);
   make_mechanics(scene.space, scene.numerics, scene.materials)->add_fields(all);
   HeatSolver::add_fields(all);
-  const FieldInfo* info = find_field(all, probe.field);
-  return info ? std::string(info->unit) : "1";
+  const Field* field = find_field(all, probe.field);
+  return field ? std::string(field->info->unit) : "1";
 }
 
 void check_field_names(const Simulation& simulation) {
@@ -157,13 +167,13 @@ void check_field_names(const Simulation& simulation) {
   };
   for (const std::string& name : scene.output.fields) check("output.fields", name);
   for (const ProbeScene& probe : scene.probes) {
-    if (probe.kind == ProbeScene::Kind::ExtrudedLength) continue;
+    if (probe.kind == ProbeScene::Kind::ExtrudedLength || probe.rigid >= 0) continue;
     check("probe \"" + probe.name + "\"", probe.field);
-    const FieldInfo* info = find_field(particles, probe.field);
-    if (info && probe.component >= particles.components(info->shape))
+    const Field* field = find_field(particles, probe.field);
+    if (field && probe.component >= static_cast<int>(field->components.size()))
       throw InputError(scene.path + " probe \"" + probe.name + "\": component " + std::to_string(probe.component) +
                        " of \"" + probe.field + "\" does not exist; it has " +
-                       std::to_string(particles.components(info->shape)) + ".");
+                       std::to_string(field->components.size()) + ".");
   }
 }
 

@@ -293,9 +293,18 @@ void Run::print_report(const Diagnostics& d) {
   if (simulation_.scene().heat.mode == HeatScene::Mode::Conduction) {
     const HeatLedger& heat = simulation_.heat_ledger();
     log::info(
-        fmt::format("heat [J]: sources {:.4g} = particles {:.4g} + lumped bodies {:.4g} + fixed bodies {:.4g} + "
-                    "surroundings {:.4g}",
-                    heat.source, heat.particles, heat.rigid, heat.fixed, heat.ambient));
+        fmt::format("heat [J]: sources {:.6g} = particles {:.6g} + rigid bodies {:.6g} + fixed temperatures {:.6g} + "
+                    "surroundings {:.6g}; residual {:.2g}",
+                    heat.source, heat.particles, heat.rigid, heat.fixed, heat.ambient, heat.residual()));
+    for (std::size_t r = 0; r < heat.bodies.size(); ++r) {
+      const BodyHeat& body = heat.bodies[r];
+      if (simulation_.rigid_heat()[r].role == RigidHeat::Role::Insulated) continue;
+      log::info(
+          fmt::format("  {}: gained {:.6g} J = interface {:.6g} + friction {:.6g} - outer surfaces {:.6g} (+ "
+                      "sources), mean temperature {:.2f} K",
+                      simulation_.rigids()[r].name, body.gained, body.interface, body.friction, body.surface,
+                      simulation_.rigid_heat()[r].temperature));
+    }
   }
   for (const auto& [phase, seconds] : simulation_.timers().seconds()) {
     const double least = comm_.min(seconds), most = comm_.max(seconds), mean = comm_.sum(seconds) / comm_.size();

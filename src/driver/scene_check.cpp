@@ -37,6 +37,15 @@ std::string check_scene(const Comm& comm, const Scene& scene) {
   line("mechanics", on(scene.mechanics));
   const char* heat[] = {"off", "adiabatic", "conduction"};
   line("heat", heat[static_cast<int>(scene.heat.mode)]);
+  for (std::size_t r = 0; r < scene.rigids.size(); ++r) {
+    const RigidHeat& body = simulation.rigid_heat()[r];
+    if (body.role == RigidHeat::Role::Insulated) continue;
+    line("heat in " + scene.rigids[r].name,
+         body.mesh ? fmt::format("mesh of {} elements, {} nodes, {:.4g} J/K", body.mesh->mesh().elements.size(),
+                                 body.mesh->nodes(), body.heat_capacity)
+         : body.role == RigidHeat::Role::LumpedNode ? fmt::format("one node of {:.4g} J/K", body.heat_capacity)
+                                                    : fmt::format("fixed at {:.5g} K", body.temperature));
+  }
   line("contact", fmt::format("{} ({} pairs)", on(!scene.contacts.empty()), scene.contacts.size()));
   if (scene.mechanics) {
     const MechanicsSettings& n = scene.numerics;
@@ -88,8 +97,10 @@ std::string check_scene(const Comm& comm, const Scene& scene) {
   double bytes = static_cast<double>(simulation.particles().bytes() + simulation.neighbourhood().bytes() +
                                      (simulation.mechanics() ? simulation.mechanics()->bytes() : 0));
   bytes = comm.sum(bytes);
-  line("memory", fmt::format("{:.4g} MB in {} ranks, {:.0f} B per particle (heat matrix not counted)", bytes / 1e6,
-                             comm.size(), bytes / particles));
+  line("memory", fmt::format("{:.4g} MB in {} ranks, {:.0f} B per particle{}", bytes / 1e6, comm.size(),
+                             bytes / particles, simulation.heat_solver() ? " besides the heat solve" : ""));
+  if (const HeatSolver* solver = simulation.heat_solver())
+    line("", fmt::format("heat solve {:.4g} MB", comm.sum(static_cast<double>(solver->bytes())) / 1e6));
   const double count = scene.time.most_steps > 0 ? std::min(steps, static_cast<double>(scene.time.most_steps)) : steps;
   line("predicted wall time",
        fmt::format("{:.4g} s on {} ranks ({:.3g} s per step, {:.3g} particle-steps/s, measured now)", seconds * count,

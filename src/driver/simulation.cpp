@@ -10,6 +10,33 @@
 
 namespace stirsph {
 
+namespace {
+
+/// Joules of a power per volume into the nodes of a mesh, each with the value at its place (second order in the edge
+/// length, as the elements).
+void add_node_source(RigidHeat& heat, double time, double dt, const input::Expression& value) {
+  const HeatMesh& mesh = *heat.mesh;
+  heat.node_input.resize(mesh.nodes(), 0.0);
+  for (std::size_t n = 0; n < mesh.nodes(); ++n) {
+    const Vec3& x = mesh.mesh().nodes[n];
+    heat.node_input[n] += dt * mesh.node_volume(n) * value({time, x.x, x.y, x.z});
+  }
+}
+
+/// The same of a power per area of some facets.
+void add_surface_flux(RigidHeat& heat, const SurfaceScene& surface, double time, double dt) {
+  const HeatMesh& mesh = *heat.mesh;
+  heat.node_input.resize(mesh.nodes(), 0.0);
+  const std::vector<double> area = mesh.lumped_area(chosen_facets(mesh.mesh(), surface));
+  for (std::size_t n = 0; n < mesh.nodes(); ++n) {
+    if (area[n] == 0) continue;
+    const Vec3& x = mesh.mesh().nodes[n];
+    heat.node_input[n] += dt * area[n] * (*surface.flux)({time, x.x, x.y, x.z});
+  }
+}
+
+}  // namespace
+
 template <class Work>
 void Simulation::guarded(Work&& work) {
   try {
@@ -49,6 +76,7 @@ void Simulation::step() {
     guarded([&] { apply_loads(dt); });  // formulas of place and time may have no value at one rank's particles
     kick(0.5 * dt);
   }
+  if (!mechanics_) guarded([&] { move_rigids(dt); });
   if (scene_.heat.mode != HeatScene::Mode::Off) advance_heat(dt);
   clock_.time += dt;
   clock_.step += 1;
@@ -125,9 +153,6 @@ void Simulation::apply_loads(double dt) {
     // Twice the last speed: accelerations within the step are small against it or the step size is wrong.
     const double travel = dt * (2 * speed_ + surface_speed());
     contact_->apply(particles_, rigids_, dt, travel, particles_.has(field::heat_input));
-    // An insulated body's share of the friction heat leaves the model with the body.
-    for (std::size_t r = 0; r < rigid_heat_.size(); ++r)
-      if (rigid_heat_[r].role != RigidHeat::Role::Insulated) rigid_heat_[r].heat_input += contact_->loads()[r].heat;
   }
   if (!scene_.grips.empty()) {
     const ScopedTimer timer(timers_, "loads");
@@ -202,14 +227,50 @@ void Simulation::absorb_heat_at_once() {
 }
 
 void Simulation::conduct(double dt) {
-  const std::vector<ContactPoint> points =
-      contact_ ? contact_->thermal_points(particles_, rigids_) : std::vector<ContactPoint>{};
+  add_heat_sources(dt);
+  const std::vector<InterfacePoint> points =
+      take_interface_points(particles_, interfaces_, rigids_, rigid_heat_, scene_.numerics.spacing, dt);
   last_heat_ = heat_->advance(particles_, neighbourhood_->pairs(), neighbourhood_->halo(), points, rigid_heat_, dt);
   heat_ledger_.particles += last_heat_.particle_heat;
   heat_ledger_.rigid += last_heat_.rigid_heat;
   heat_ledger_.source += last_heat_.source_heat;
   heat_ledger_.fixed += last_heat_.fixed_heat;
   heat_ledger_.ambient += last_heat_.ambient_heat;
+  for (std::size_t r = 0; r < rigids_.size(); ++r) {
+    BodyHeat& body = heat_ledger_.bodies[r];
+    const BodyHeat& step = last_heat_.bodies[r];
+    body.gained += step.gained;
+    body.interface += step.interface;
+    body.surface += step.surface;
+    body.friction += step.friction;
+  }
+}
+
+/// Heat of the scene's own sources over the interval, at the time level of the fluxes.
+void Simulation::add_heat_sources(double dt) {
+  const double level = clock_.time + clock_.dt - (scene_.heat.crank_nicolson ? 0.5 : 0.0) * dt;
+  const auto body = particles_[field::body], volume = particles_[field::volume];
+  auto input = particles_[field::heat_input];
+  for (const HeatSourceScene& source : scene_.heat.sources) {
+    for (std::size_t i = 0; i < particles_.owned(); ++i)
+      if (source.bodies[static_cast<std::size_t>(body[i])]) {
+        const Vec3 x = particles_.vector_at(field::position, i);
+        input[i] += dt * volume[i] * source.value({level, x.x, x.y, x.z});
+      }
+    for (std::size_t r = 0; r < rigids_.size(); ++r)
+      if (source.rigids[r]) add_node_source(rigid_heat_[r], level, dt, source.value);
+  }
+  for (std::size_t r = 0; r < rigids_.size(); ++r)
+    if (rigid_heat_[r].mesh)
+      for (const SurfaceScene& surface : scene_.rigids[r].heat.surfaces)
+        if (surface.kind == SurfaceScene::Kind::Flux) add_surface_flux(rigid_heat_[r], surface, level, dt);
+}
+
+double HeatLedger::residual() const {
+  const double given = particles + rigid + fixed + ambient;
+  const double scale =
+      std::max({std::abs(particles), std::abs(rigid), std::abs(fixed), std::abs(ambient), std::abs(source)});
+  return scale > 0 ? (given - source) / scale : 0.0;
 }
 
 double Simulation::surface_speed() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <exception>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "io/checkpoint.hpp"
 #include "mechanics/mechanics.hpp"
 #include "scene/populate.hpp"
+#include "scene/rigid_heat_bodies.hpp"
 #include "scene/rigid_motion.hpp"
 #include "scene/scene.hpp"
 #include "thermal/heat_solver.hpp"
@@ -36,6 +38,9 @@ struct LoadLedger {
 /// Heat balance of the whole run, all ranks [J].
 struct HeatLedger {
   double particles = 0, rigid = 0, source = 0, fixed = 0, ambient = 0;
+  std::vector<BodyHeat> bodies;  ///< per rigid body
+  /// (gained + given away - put in)/(largest of the terms): what the solve lost.
+  double residual() const;
 };
 
 /// Reaction of a grip in the last step [N, N m about its centre], this rank's share.
@@ -73,9 +78,12 @@ class Simulation {
   const std::vector<RigidBody>& rigids() const { return rigids_; }
   const std::vector<RigidMotion>& motions() const { return motions_; }
   const std::vector<RigidHeat>& rigid_heat() const { return rigid_heat_; }
+  /// Where the point probes of meshed bodies lie in their meshes.
+  const std::vector<NodeWeight>& probe_nodes(const std::string& probe) const { return probe_nodes_.at(probe); }
   const std::vector<GripLoad>& grip_loads() const { return grip_loads_; }
   const LoadLedger& load_ledger() const { return load_ledger_; }
   const HeatLedger& heat_ledger() const { return heat_ledger_; }
+  const HeatSolver* heat_solver() const { return heat_.get(); }
   const HeatReport& last_heat() const { return last_heat_; }
   const PhaseTimers& timers() const { return timers_; }
   const std::vector<BodyCount>& body_counts() const { return body_counts_; }
@@ -96,9 +104,11 @@ class Simulation {
   void add_fields();
   void build_contact();
   void refuse_overlaps();
+  void refuse_misplaced_meshes();
   void refuse_coincident_particles();
   void refuse_empty_sets();
   void prepare_rigids();
+  void place_probes();
   BilletStiffness billet_stiffness(const RigidScene& rigid) const;
 
   void kick(double dt);
@@ -110,6 +120,7 @@ class Simulation {
   void advance_heat(double dt);
   void absorb_heat_at_once();
   void conduct(double dt);
+  void add_heat_sources(double dt);
   void vote();
   double stable_step() const;
   double surface_speed() const;
@@ -133,6 +144,8 @@ class Simulation {
   std::vector<RigidBody> rigids_;
   std::vector<RigidMotion> motions_;
   std::vector<RigidHeat> rigid_heat_;
+  std::vector<HeatInterface> interfaces_;
+  std::map<std::string, std::vector<NodeWeight>> probe_nodes_;
   std::vector<Vec3> rigid_force_, rigid_torque_;
   std::vector<std::vector<std::int32_t>> grip_members_;
   std::vector<GripLoad> grip_loads_;

@@ -42,6 +42,12 @@ void Simulation::add_fields() {
   if (mechanics_) mechanics_->add_fields(particles_);
   if (heat_) HeatSolver::add_fields(particles_);
   if (scene_.heat.mode != HeatScene::Mode::Off) particles_.add(field::heat_input);
+  if (contact_ && !interfaces_.empty()) {
+    const int count = static_cast<int>(interfaces_.size());
+    particles_.add(field::rigid_heat, count);
+    for (const RigidScene& rigid : scene_.rigids)
+      if (rigid.heat.pressure_conductance > 0) particles_.add(field::rigid_impulse, count);
+  }
   if (!scene_.sets.empty()) particles_.add(field::sets);
   if (!scene_.grips.empty()) particles_.add(field::initial_position);
 }
@@ -88,19 +94,24 @@ void Simulation::prepare_rigids() {
     }
     motions_.emplace_back(rigid.motion, billet);
     rigids_.push_back({rigid.name, rigid.shape, motions_.back().initial_pose()});
-    RigidHeat heat;
-    heat.role = rigid.heat.role == RigidHeatScene::Role::Fixed    ? RigidHeat::Role::FixedTemperature
-                : rigid.heat.role == RigidHeatScene::Role::Lumped ? RigidHeat::Role::LumpedNode
-                                                                  : RigidHeat::Role::Insulated;
-    heat.temperature = rigid.heat.temperature;
-    heat.heat_capacity = rigid.heat.heat_capacity;
-    heat.ambient_conductance = rigid.heat.ambient_conductance;
-    heat.ambient_temperature = rigid.heat.ambient_temperature;
-    heat.interface_conductance = rigid.heat.conductance;
-    rigid_heat_.push_back(heat);
   }
+  rigid_heat_ = make_rigid_heat(comm_, scene_);
+  if (scene_.heat.mode == HeatScene::Mode::Conduction) interfaces_ = heat_interfaces(scene_);
+  heat_ledger_.bodies.resize(rigids_.size());
+  place_probes();
   rigid_force_.resize(rigids_.size());
   rigid_torque_.resize(rigids_.size());
+}
+
+void Simulation::place_probes() {
+  for (const ProbeScene& probe : scene_.probes) {
+    if (probe.kind != ProbeScene::Kind::Point || probe.rigid < 0 || !rigid_heat_[probe.rigid].mesh) continue;
+    try {
+      probe_nodes_[probe.name] = nodes_around(*rigid_heat_[probe.rigid].mesh, probe.position);
+    } catch (const InputError& error) {
+      throw InputError(scene_.path + " probe \"" + probe.name + "\": " + error.what());
+    }
+  }
 }
 
 void Simulation::build_contact() {
@@ -117,6 +128,8 @@ void Simulation::build_contact() {
     pair.soft_scale = contact.soft_scale;
     pair.damping = contact.damping;
     pair.heat_conversion = contact.heat_conversion;
+    for (const HeatInterface& interface : interfaces_)
+      if (interface.rigid == contact.rigid) pair.heat_component = interface.component;
     const int rigid_material = scene_.rigids[contact.rigid].material;
     for (const Material& material : scene_.materials) {
       double share = contact.heat_share;
@@ -152,6 +165,16 @@ void Simulation::refuse_overlaps() {
                        " mm. A particle's surface lies half a spacing outside its centre: set fill_margin = 0.5 of the "
                        "body where it "
                        "fits closely, or move or shrink one of them.");
+    }
+  });
+}
+
+void Simulation::refuse_misplaced_meshes() {
+  comm_.together([&] {
+    try {
+      check_meshes_fit(particles_, interfaces_, rigids_, rigid_heat_, scene_.numerics.spacing);
+    } catch (const InputError& error) {
+      throw InputError(scene_.path + " " + error.what());
     }
   });
 }
@@ -234,6 +257,7 @@ void Simulation::start() {
                                                     kernel_support(scene_.numerics.kernel));
   neighbourhood_->rebuild(particles_, support, true);
   refuse_coincident_particles();
+  refuse_misplaced_meshes();
   clock_.next_dt = scene_.time.fixed_step;
   if (!mechanics_) return;
 
@@ -258,8 +282,11 @@ void Simulation::start() {
   apply_loads(clock_.next_dt);
   mechanics_->ledger() = {};
   if (contact_) contact_->ledger() = {};
-  for (RigidHeat& heat : rigid_heat_) heat.heat_input = 0;
   if (particles_.has(field::heat_input)) std::ranges::fill(particles_[field::heat_input], 0.0);
+  for (const FieldInfo* info : {&field::rigid_heat, &field::rigid_impulse})
+    if (particles_.has(*info))
+      for (const HeatInterface& interface : interfaces_)
+        std::ranges::fill(particles_.component(*info, interface.component), 0.0);
   load_ledger_.body_force = load_ledger_.grips = 0;
   vote();
 }

@@ -9,8 +9,8 @@ namespace stirsph {
 namespace {
 
 /// This rank's partial sums in a fixed order: pointers to read from (all const) or to restore through.
-template <class Mechanical, class Touching, class Loads, class Bodies>
-auto partial_sums(Mechanical* mechanics, Touching* contact, Loads& loads, Bodies& heat) {
+template <class Mechanical, class Touching, class Loads>
+auto partial_sums(Mechanical* mechanics, Touching* contact, Loads& loads) {
   std::vector<decltype(&loads.grips)> sums{&loads.body_force, &loads.grips};
   if (mechanics)
     for (auto* value : {&mechanics->elastic, &mechanics->plastic, &mechanics->viscous, &mechanics->artificial,
@@ -19,7 +19,6 @@ auto partial_sums(Mechanical* mechanics, Touching* contact, Loads& loads, Bodies
   if (contact)
     for (auto* value : {&contact->external, &contact->friction, &contact->normal, &contact->friction_heat})
       sums.push_back(value);
-  for (auto& body : heat) sums.push_back(&body.heat_input);
   return sums;
 }
 
@@ -30,7 +29,7 @@ NamedState Simulation::named_state() const {
   std::vector<double> partial;
   const MechanicsLedger* mechanical = mechanics_ ? &std::as_const(*mechanics_).ledger() : nullptr;
   const ContactLedger* touching = contact_ ? &std::as_const(*contact_).ledger() : nullptr;
-  for (const double* value : partial_sums(mechanical, touching, load_ledger_, rigid_heat_)) partial.push_back(*value);
+  for (const double* value : partial_sums(mechanical, touching, load_ledger_)) partial.push_back(*value);
   state.numbers["ranks"] = {static_cast<double>(comm_.size())};
   state.numbers["partial_sums"] = comm_.all_gather(partial);
   state.numbers["clock"] = {clock_.time, static_cast<double>(clock_.step), clock_.dt, clock_.next_dt};
@@ -53,6 +52,9 @@ NamedState Simulation::named_state() const {
       for (int d = 0; d < 3; ++d) values.push_back(v[d]);
     state.numbers["rigid_" + rigids_[r].name] = values;
     state.numbers["controller_" + rigids_[r].name] = motions_[r].state();
+    const BodyHeat& heat = heat_ledger_.bodies[r];
+    state.numbers["heat_" + rigids_[r].name] = {heat.gained, heat.interface, heat.surface, heat.friction};
+    if (rigid_heat_[r].mesh) state.numbers["mesh_temperature_" + rigids_[r].name] = rigid_heat_[r].node_temperature;
   }
   std::vector<double> counts;
   for (const BodyCount& body : body_counts_) {
@@ -85,7 +87,7 @@ void Simulation::resume(const std::string& checkpoint) {
   particle_count_ = static_cast<std::int64_t>(step[7]);
   load_ledger_.initial_kinetic = numbers("initial_kinetic", 1)[0];
   const auto& heat = numbers("heat_ledger", 5);
-  heat_ledger_ = {heat[0], heat[1], heat[2], heat[3], heat[4]};
+  heat_ledger_ = {heat[0], heat[1], heat[2], heat[3], heat[4], std::vector<BodyHeat>(rigids_.size())};
   if (contact_) contact_->contact_step() = numbers("contact_step", 1)[0];
   for (std::size_t r = 0; r < rigids_.size(); ++r) {
     const auto& values = numbers("rigid_" + rigids_[r].name, 15);
@@ -97,6 +99,15 @@ void Simulation::resume(const std::string& checkpoint) {
     for (Vec3* v : {&pose.translation, &pose.velocity, &rigid_force_[r], &rigid_torque_[r]})
       for (int d = 0; d < 3; ++d) (*v)[d] = values[at++];
     motions_[r].restore(numbers("controller_" + rigids_[r].name, 3));
+    const auto& body = numbers("heat_" + rigids_[r].name, 4);
+    heat_ledger_.bodies[r] = {body[0], body[1], body[2], body[3]};
+    if (!rigid_heat_[r].mesh) continue;
+    const auto& nodes = numbers("mesh_temperature_" + rigids_[r].name, 1);
+    if (nodes.size() != rigid_heat_[r].mesh->nodes())
+      throw InputError(checkpoint + " does not fit the scene " + scene_.path + ": the mesh of \"" + rigids_[r].name +
+                       "\" had " + std::to_string(nodes.size()) + " nodes and now has " +
+                       std::to_string(rigid_heat_[r].mesh->nodes()) + ". Restart with the same mesh.");
+    rigid_heat_[r].node_temperature = nodes;
   }
   const auto& counts = numbers("body_counts", 2 * scene_.bodies.size());
   for (std::size_t b = 0; b < scene_.bodies.size(); ++b)
@@ -104,7 +115,7 @@ void Simulation::resume(const std::string& checkpoint) {
 
   const bool same_ranks = static_cast<int>(numbers("ranks", 1)[0]) == comm_.size();
   const auto targets = partial_sums(mechanics_ ? &mechanics_->ledger() : nullptr,
-                                    contact_ ? &contact_->ledger() : nullptr, load_ledger_, rigid_heat_);
+                                    contact_ ? &contact_->ledger() : nullptr, load_ledger_);
   const auto& partial = numbers("partial_sums", targets.size());
   for (std::size_t k = 0; k < targets.size(); ++k) {
     // The same rank takes its own share back; on another rank count the root takes everything.

@@ -17,6 +17,9 @@ struct RigidPose {
   double angular_velocity = 0;  ///< rad/s
 
   Vec3 axis_point() const { return centre + translation; }
+  /// Where a point of the scene is in the body's frame, that is, where it was on the body at the start; and back.
+  Vec3 to_body(const Vec3& x) const { return rotated(x - axis_point(), axis, -angle) + centre; }
+  Vec3 to_scene(const Vec3& x) const { return rotated(x - centre, axis, angle) + axis_point(); }
   /// Velocity [m/s] of the body's material at a point.
   Vec3 velocity_at(const Vec3& x) const { return velocity + angular_velocity * cross(axis, x - axis_point()); }
 };
@@ -28,8 +31,7 @@ struct RigidBody {
 
   /// Nearest surface point in the frame of the scene.
   SurfacePoint nearest(const Vec3& x) const {
-    const Vec3 turned = rotated(x - pose.axis_point(), pose.axis, -pose.angle) + pose.centre;
-    SurfacePoint found = shape->nearest(turned);
+    SurfacePoint found = shape->nearest(pose.to_body(x));
     found.normal = rotated(found.normal, pose.axis, pose.angle);
     return found;
   }

@@ -1,10 +1,9 @@
 #include "parallel/decomposition.hpp"
 
-#include <metis.h>
-
 #include <algorithm>
 #include <numeric>
 
+#include "parallel/graph_partition.hpp"
 #include "particles/field_names.hpp"
 
 namespace stirsph {
@@ -65,22 +64,20 @@ void migrate(const Comm& comm, ParticleSet& particles, const std::vector<int>& d
 
 std::vector<int> partition_cells(const Comm& comm, const CellTable& table, const std::vector<std::int64_t>& keys,
                                  int parts) {
-  const std::size_t n = keys.size();
-  std::vector<std::int64_t> result(n, 0);
-  if (parts > 1 && n <= static_cast<std::size_t>(parts)) {
-    std::iota(result.begin(), result.end(), 0);
-  } else if (parts > 1 && comm.is_root()) {
+  Graph graph;
+  if (comm.is_root()) {
+    const std::size_t n = keys.size();
     std::vector<double> cost(n, 0);
     std::size_t at = 0;
     for (std::size_t k = 0; k < n; ++k)
       for (; at < table.entries().size() && table.entries()[at].key == keys[k]; ++at)
         cost[k] += table.entries()[at].weight;
-    const double largest = *std::max_element(cost.begin(), cost.end());
-    const auto scaled = [&](double value) { return std::max<idx_t>(1, static_cast<idx_t>(1000 * value / largest)); };
-
-    std::vector<idx_t> first{0}, adjacent, edge_weight, vertex_weight;
+    const double largest = n > 0 ? *std::max_element(cost.begin(), cost.end()) : 1.0;
+    const auto scaled = [&](double value) {
+      return std::max<std::int64_t>(1, static_cast<std::int64_t>(1000 * value / largest));
+    };
     for (std::size_t k = 0; k < n; ++k) {
-      vertex_weight.push_back(scaled(cost[k]));
+      graph.vertex_weights.push_back(scaled(cost[k]));
       std::vector<std::size_t> seen;
       for (const auto& neighbour : table.around(table.decode(keys[k]))) {
         const auto found = std::lower_bound(keys.begin(), keys.end(), neighbour.key);
@@ -88,25 +85,13 @@ std::vector<int> partition_cells(const Comm& comm, const CellTable& table, const
         const std::size_t other = found - keys.begin();
         if (other == k || std::find(seen.begin(), seen.end(), other) != seen.end()) continue;
         seen.push_back(other);
-        adjacent.push_back(static_cast<idx_t>(other));
-        edge_weight.push_back(scaled(cost[k]) + scaled(cost[other]));
+        graph.adjacent.push_back(static_cast<std::int64_t>(other));
+        graph.edge_weights.push_back(scaled(cost[k]) + scaled(cost[other]));
       }
-      first.push_back(static_cast<idx_t>(adjacent.size()));
+      graph.first.push_back(static_cast<std::int64_t>(graph.adjacent.size()));
     }
-    idx_t vertices = static_cast<idx_t>(n), constraints = 1, count = parts, cut = 0;
-    std::vector<idx_t> part(n);
-    idx_t options[METIS_NOPTIONS];
-    METIS_SetDefaultOptions(options);
-    options[METIS_OPTION_SEED] = 1;
-    // Recursive bisection balances small part counts better; k-way cuts less for many.
-    const auto method = parts <= 8 ? METIS_PartGraphRecursive : METIS_PartGraphKway;
-    const int status = method(&vertices, &constraints, first.data(), adjacent.data(), vertex_weight.data(), nullptr,
-                              edge_weight.data(), &count, nullptr, nullptr, options, &cut, part.data());
-    if (status != METIS_OK) throw Error(ExitCode::Internal, "METIS could not partition the graph of cells");
-    std::copy(part.begin(), part.end(), result.begin());
   }
-  comm.broadcast(result);
-  return {result.begin(), result.end()};
+  return partition_graph(comm, graph, parts);
 }
 
 CellTable Decomposition::redistribute(ParticleSet& particles, const Domain& domain, double reach, bool repartition,

@@ -6,8 +6,8 @@
 
 namespace stirsph {
 
-/// How many components a field has; the space turns the shape into a number.
-enum class Shape { Scalar, Position, Velocity, SymmetricTensor, Matrix };
+/// How many components a field has; the space turns the shape into a number, but for a list, which says it itself.
+enum class Shape { Scalar, Position, Velocity, SymmetricTensor, Matrix, List };
 
 /// When neighbours on other ranks need the field: after the drift, after the stress update, before a heat solve, or
 /// never.

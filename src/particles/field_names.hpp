@@ -7,7 +7,7 @@ namespace stirsph::field {
 
 // identity
 inline constexpr FieldInfo id{"id", "1", "global particle number", Shape::Scalar, Halo::Static, true, true};
-inline constexpr FieldInfo body{"body", "1", "index of the body in the scene", Shape::Scalar, Halo::None, true, true};
+inline constexpr FieldInfo body{"body", "1", "index of the body in the scene", Shape::Scalar, Halo::Static, true, true};
 inline constexpr FieldInfo material{"material", "1", "index of the material in the scene", Shape::Scalar, Halo::Static,
                                     true,       true};
 inline constexpr FieldInfo sets{"sets", "1", "bit mask of the particle sets it belongs to"};
@@ -58,6 +58,11 @@ inline constexpr FieldInfo flow_stress{"flow_stress", "Pa",       "current flow 
 inline constexpr FieldInfo temperature{"temperature", "K", "temperature", Shape::Scalar, Halo::Thermal, true, true};
 inline constexpr FieldInfo heat_input{"heat_input", "J", "plastic and friction heat since the last heat solve",
                                       Shape::Scalar, Halo::None};
+inline constexpr FieldInfo rigid_heat{
+    "rigid_heat", "J", "friction heat for each heat-conducting rigid body since the last heat solve", Shape::List};
+inline constexpr FieldInfo rigid_impulse{
+    "rigid_impulse", "N s", "normal contact impulse on each heat-conducting rigid body since the last heat solve",
+    Shape::List};
 inline constexpr FieldInfo conductivity{
     "conductivity", "W/m/K", "thermal conductivity at the present temperature", Shape::Scalar, Halo::Thermal, false};
 inline constexpr FieldInfo conduction_correction{

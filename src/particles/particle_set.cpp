@@ -19,6 +19,8 @@ int ParticleSet::components(Shape shape) const {
       return layout_.stress_components;
     case Shape::Matrix:
       return layout_.dim * layout_.dim;
+    case Shape::List:
+      return 1;
   }
   return 1;
 }
@@ -29,11 +31,12 @@ Field* ParticleSet::find(std::string_view name) const {
   return nullptr;
 }
 
-void ParticleSet::add(const FieldInfo& info) {
+void ParticleSet::add(const FieldInfo& info, int length) {
   if (find(info.name)) return;
   auto field = std::make_unique<Field>();
   field->info = &info;
-  field->components.assign(components(info.shape), AlignedVector(capacity_, 0.0));
+  const int count = info.shape == Shape::List ? length : components(info.shape);
+  field->components.assign(count, AlignedVector(capacity_, 0.0));
   fields_.push_back(std::move(field));
 }
 

@@ -52,7 +52,8 @@ class ParticleSet {
   std::size_t clusters() const { return (owned_ + cluster_size - 1) / cluster_size; }
 
   /// Adds a field filled with zeros; adding it twice is allowed and changes nothing.
-  void add(const FieldInfo& info);
+  /// `length`: of a list.
+  void add(const FieldInfo& info, int length = 1);
   bool has(const FieldInfo& info) const { return find(info.name) != nullptr; }
   const std::vector<std::unique_ptr<Field>>& fields() const { return fields_; }
   int components(Shape shape) const;

@@ -192,6 +192,131 @@ MotionScene read_motion(const Parameters& p) {
   return motion;
 }
 
+MeshScene read_mesh(const Parameters& heat, const RigidScene& rigid) {
+  MeshScene mesh;
+  if (!heat.has("mesh"))
+    heat.fail("role", "a mesh needs mesh = { near = \"1 mm\", far = \"5 mm\" } or mesh = { file = \"die.msh\" }.");
+  const Parameters m = heat.table("mesh");
+  if (m.has("file")) {
+    if (m.has("near") || m.has("far")) m.fail("file", "give either a file or near and far, not both.");
+    mesh.file = m.file("file");
+    mesh.scale = m.real("scale");
+    if (m.has("body")) mesh.body = m.text("body");
+    return mesh;
+  }
+  if (!m.has("near")) m.fail("near", "give the edge length at the billet, or the file of a mesh.");
+  mesh.near = m.real("near");
+  mesh.far = m.has("far") ? m.real("far") : mesh.near;
+  mesh.growth = m.real("growth");
+  if (mesh.far < mesh.near) m.fail("far", "must not be shorter than near.");
+  if (m.has("cut_low") != m.has("cut_high")) m.fail("cut_low", "cut_low and cut_high go together.");
+  if (m.has("cut_low")) mesh.cut = Bounds{m.vector("cut_low"), m.vector("cut_high")};
+  const Bounds bounds = rigid.shape->bounds();
+  for (int d = 0; d < 2; ++d)
+    if (!mesh.cut && !(std::isfinite(bounds.low[d]) && std::isfinite(bounds.high[d])))
+      m.fail("near", "the shape is endless: give cut_low and cut_high, or a shape with an end.");
+  return mesh;
+}
+
+std::vector<SurfaceScene> read_surfaces(const Parameters& heat) {
+  std::vector<SurfaceScene> surfaces;
+  for (const Parameters& s : heat.tables("surface")) {
+    SurfaceScene surface;
+    if (s.has("region") == s.has("group"))
+      s.fail("region", "choose the facets by a region or by a group of the mesh file, one of both.");
+    if (s.has("region")) surface.region = make_shape(s.table("region"));
+    if (s.has("group")) surface.group = s.text("group");
+    if (s.has("temperature") + s.has("conductance") + s.has("flux") != 1)
+      s.fail("temperature", "give one of temperature (fixed), conductance (a film) and flux.");
+    if (s.has("temperature")) {
+      surface.kind = SurfaceScene::Kind::FixedTemperature;
+      surface.temperature = s.real("temperature");
+    } else if (s.has("conductance")) {
+      surface.conductance = s.real("conductance");
+      surface.temperature = s.real("ambient_temperature");
+    } else {
+      surface.kind = SurfaceScene::Kind::Flux;
+      surface.flux = s.expression("flux");
+    }
+    surfaces.push_back(std::move(surface));
+  }
+  return surfaces;
+}
+
+RigidHeatScene read_rigid_heat(const Parameters& heat, const Scene& scene, const RigidScene& rigid) {
+  using Role = RigidHeatScene::Role;
+  using Interface = RigidHeatScene::Interface;
+  RigidHeatScene result;
+  const std::string &role = heat.text("role"), &interface = heat.text("interface");
+  result.role = role == "fixed"    ? Role::Fixed
+                : role == "lumped" ? Role::Lumped
+                : role == "mesh"   ? Role::Mesh
+                                   : Role::Insulated;
+  result.interface = interface == "perfect"  ? Interface::Perfect
+                     : interface == "hybrid" ? Interface::Hybrid
+                                             : Interface::Film;
+  result.temperature = heat.expression("temperature");
+  if (result.role != Role::Mesh && !result.temperature.is_constant())
+    heat.fail("temperature", "a formula of place needs role = \"mesh\"; give a temperature such as \"600 K\".");
+  result.conductance =
+      result.interface == Interface::Film ? heat.real("conductance") : std::numeric_limits<double>::infinity();
+  result.pressure_conductance = heat.real("pressure_conductance");
+  result.reference_pressure = heat.real("reference_pressure");
+  result.pressure_exponent = heat.real("pressure_exponent");
+  result.heat_capacity = heat.real("heat_capacity");
+  result.ambient_conductance = heat.real("ambient_conductance");
+  result.ambient_temperature = heat.real("ambient_temperature");
+  result.bodies = bodies_of(heat, scene.bodies);
+  if (result.role == Role::Insulated) return result;
+  if (result.role == Role::Lumped && result.heat_capacity <= 0)
+    heat.fail("heat_capacity", "a lumped node needs a positive heat capacity, for example \"500 J/K\".");
+  if (result.conductance <= 0 && result.pressure_conductance <= 0)
+    heat.fail("conductance", "give a positive conductance of the film, or interface = \"perfect\".");
+  if (result.pressure_conductance > 0 && !scene.mechanics)
+    heat.fail("pressure_conductance", "without mechanics there is no contact pressure: give conductance.");
+  if (result.interface == Interface::Hybrid && result.role != Role::Mesh)
+    heat.fail("interface", "\"hybrid\" needs role = \"mesh\": the particles are embedded in the mesh.");
+  if (result.role == Role::Mesh) {
+    if (rigid.material < 0 || !scene.materials[rigid.material].has_thermal)
+      heat.fail("role", "a meshed body needs a material with a [thermal] table in its data file.");
+    result.mesh = read_mesh(heat, rigid);
+    result.surfaces = read_surfaces(heat);
+  } else if (heat.has("mesh") || !heat.tables("surface").empty()) {
+    heat.fail("role", "mesh and surface need role = \"mesh\".");
+  }
+  return result;
+}
+
+void read_heat_sources(const Parameters& root, Scene& scene) {
+  for (const Parameters& p : root.tables("heat_source")) {
+    HeatSourceScene source;
+    source.bodies.assign(scene.bodies.size(), false);
+    source.rigids.assign(scene.rigids.size(), false);
+    if (p.has("density") == p.has("flux")) p.fail("on", "give one of density (W/m3) and flux (W/m2).");
+    source.on_surface = p.has("flux");
+    source.value = p.expression(source.on_surface ? "flux" : "density");
+    for (const std::string& name : p.texts("on")) {
+      std::vector<std::string> known;
+      bool found = false;
+      for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+        known.push_back(scene.bodies[b].name);
+        if (scene.bodies[b].name == name) found = source.bodies[b] = true;
+      }
+      for (std::size_t r = 0; r < scene.rigids.size() && !source.on_surface; ++r) {
+        if (scene.rigids[r].heat.role != RigidHeatScene::Role::Mesh) continue;
+        known.push_back(scene.rigids[r].name);
+        if (scene.rigids[r].name == name) found = source.rigids[r] = true;
+      }
+      if (!found)
+        p.fail("on", "\"" + name + "\" is no body this source can heat. Known: " + input::joined(known) + "." +
+                         input::did_you_mean(name, known));
+    }
+    scene.heat.sources.push_back(std::move(source));
+  }
+  if (!scene.heat.sources.empty() && scene.heat.mode != HeatScene::Mode::Conduction)
+    root.fail("heat_source", "needs heat.mode = \"conduction\".");
+}
+
 void read_rigids(const Parameters& root, Scene& scene) {
   for (const Parameters& p : root.tables("rigid")) {
     RigidScene rigid;
@@ -203,23 +328,7 @@ void read_rigids(const Parameters& root, Scene& scene) {
     if (p.has("material"))
       for (std::size_t k = 0; k < scene.materials.size(); ++k)
         if (scene.materials[k].name == p.text("material")) rigid.material = static_cast<int>(k);
-    if (p.has("heat")) {
-      const Parameters heat = p.table("heat");
-      const std::string& role = heat.text("role");
-      rigid.heat.role = role == "fixed"    ? RigidHeatScene::Role::Fixed
-                        : role == "lumped" ? RigidHeatScene::Role::Lumped
-                                           : RigidHeatScene::Role::Insulated;
-      rigid.heat.temperature = heat.real("temperature");
-      rigid.heat.conductance =
-          heat.boolean("perfect_contact") ? std::numeric_limits<double>::infinity() : heat.real("conductance");
-      rigid.heat.heat_capacity = heat.real("heat_capacity");
-      rigid.heat.ambient_conductance = heat.real("ambient_conductance");
-      rigid.heat.ambient_temperature = heat.real("ambient_temperature");
-      if (rigid.heat.role == RigidHeatScene::Role::Lumped && rigid.heat.heat_capacity <= 0)
-        heat.fail("heat_capacity", "a lumped node needs a positive heat capacity, for example \"500 J/K\".");
-      if (rigid.heat.role != RigidHeatScene::Role::Insulated && rigid.heat.conductance <= 0)
-        heat.fail("conductance", "give a positive interface conductance, or perfect_contact = true.");
-    }
+    if (p.has("heat")) rigid.heat = read_rigid_heat(p.table("heat"), scene, rigid);
     scene.rigids.push_back(std::move(rigid));
   }
 }
@@ -279,6 +388,11 @@ void read_sets_and_probes(const Parameters& root, Scene& scene) {
     if (probe.kind == ProbeScene::Kind::Point) {
       if (!p.has("position")) p.fail("kind", "a point probe needs position = [x, y, z].");
       probe.position = p.vector("position");
+      if (p.has("rigid")) {
+        probe.rigid = index_of(p, "rigid", p.text("rigid"), scene.rigids);
+        if (scene.rigids[probe.rigid].heat.role == RigidHeatScene::Role::Insulated)
+          p.fail("rigid", "this body takes no part in the heat balance and has no temperature: give it a heat.role.");
+      }
     }
     if (probe.kind == ProbeScene::Kind::ExtrudedLength) {
       if (!p.has("rigid")) p.fail("kind", "extruded_length needs the name of the rigid tool.");
@@ -298,6 +412,11 @@ void read_heat_and_output(const Parameters& root, Scene& scene) {
   scene.heat.relative_tolerance = heat.real("relative_tolerance");
   scene.heat.nonlinear_iterations = static_cast<int>(heat.integer("nonlinear_iterations"));
   scene.heat.crank_nicolson = heat.text("scheme") == "crank_nicolson";
+  if (heat.has("ambient")) {
+    scene.heat.ambient_conductance = heat.table("ambient").real("conductance");
+    scene.heat.ambient_temperature = heat.table("ambient").real("temperature");
+  }
+  read_heat_sources(root, scene);
   if (scene.heat.mode != HeatScene::Mode::Off)
     for (const BodyScene& body : scene.bodies)
       if (!scene.materials[body.material].has_thermal)

@@ -56,12 +56,43 @@ struct MotionScene {
   std::optional<TabulatedCurve> rotation_table;  ///< rad/s over s
 };
 
+/// The mesh of a rigid body: from its shape, or from a file.
+struct MeshScene {
+  std::string file;  ///< empty: the shape is meshed
+  double scale = 1;  ///< m per unit of the file
+  std::string body;  ///< physical volume of the file; empty: all
+  double near = 0, far = 0, growth = 0.3;
+  std::optional<Bounds> cut;
+};
+
+/// A condition on outer facets of a meshed body, chosen by a region or by a group of the mesh file.
+struct SurfaceScene {
+  ShapePointer region;
+  std::string group;
+  enum class Kind { FixedTemperature, Film, Flux } kind = Kind::Film;
+  double temperature = 293.15;  ///< K, of the surface or of the surroundings
+  double conductance = 0;       ///< W/m2/K
+  OptionalExpression flux;      ///< W/m2 into the body, of t x y z (body's frame)
+};
+
 struct RigidHeatScene {
-  enum class Role { Insulated, Fixed, Lumped } role = Role::Insulated;
-  double temperature = 293.15;
-  double conductance = 0;  ///< W/m2/K of the interface; infinity = perfect
+  enum class Role { Insulated, Fixed, Lumped, Mesh } role = Role::Insulated;
+  enum class Interface { Film, Perfect, Hybrid } interface = Interface::Film;
+  input::Expression temperature;  ///< K, of x y z at the start
+  double conductance = 0;         ///< W/m2/K of the interface; infinity = perfect
+  double pressure_conductance = 0, reference_pressure = 1e6, pressure_exponent = 0.95;
   double heat_capacity = 0;
   double ambient_conductance = 0, ambient_temperature = 293.15;
+  std::vector<bool> bodies;  ///< which exchange heat with it
+  MeshScene mesh;
+  std::vector<SurfaceScene> surfaces;
+};
+
+/// Heat put into bodies: per volume, or per free surface of particle bodies.
+struct HeatSourceScene {
+  std::vector<bool> bodies, rigids;
+  bool on_surface = false;
+  input::Expression value;  ///< W/m3 or W/m2, of t x y z
 };
 
 struct RigidScene {
@@ -111,7 +142,9 @@ struct HeatScene {
   double relative_tolerance = 1e-8;
   int nonlinear_iterations = 1;
   bool crank_nicolson = false;
-  bool halt_at_melting = false;
+  double ambient_conductance = 0;  ///< W/m2/K of the particles' free surface; 0 = insulated
+  double ambient_temperature = 293.15;
+  std::vector<HeatSourceScene> sources;
 };
 
 struct TimeScene {

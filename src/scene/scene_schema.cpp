@@ -121,6 +121,30 @@ void declare_bodies(Schema& s) {
   declare_rotation(body, "rotation", "initial rigid rotation, added to the velocity");
 }
 
+/// The mesh of a rigid body and the conditions on its outer surfaces.
+void declare_mesh(Schema& heat) {
+  Schema& mesh =
+      heat.table("mesh", "linear tetrahedra (triangles in two dimensions) of the body, for role = \"mesh\"", true);
+  mesh.real("near", "edge length at the deformable bodies").unit("m").positive().optional();
+  mesh.real("far", "largest edge length").unit("m").positive().optional();
+  mesh.real("growth", "how much longer edges get per distance").range(0.01, 2).by_default(0.3);
+  mesh.text("file", "Gmsh .msh file instead of meshing the shape").file().optional();
+  mesh.real("scale", "metres per unit of length of the file").positive().by_default(1.0);
+  mesh.text("body", "name of the physical volume of the file; all elements when missing").optional();
+  mesh.reals("cut_low", "lower corner of the box that cuts an endless shape").unit("m").count(2, 3).optional();
+  mesh.reals("cut_high", "its upper corner").unit("m").count(2, 3).optional();
+  Schema& surface = heat.tables("surface", "a condition on outer facets of the mesh; the others are insulated");
+  surface.variant("region", "type", shape_schemas, "facets whose centroid lies inside this shape (at the start)")
+      .optional();
+  surface.text("group", "facets of this physical surface of the mesh file").optional();
+  surface.real("temperature", "fixed temperature").unit("K").positive().optional();
+  surface.real("conductance", "of a film to the surroundings").unit("W/m2/K").positive().optional();
+  surface.real("ambient_temperature", "of the surroundings").unit("K").positive().by_default("293.15 K");
+  surface.expression("flux", space_time_variables, "heat into the body per area, formula of t, x, y, z in its frame")
+      .unit("W/m2")
+      .optional();
+}
+
 void declare_rigids(Schema& s) {
   Schema& rigid = s.tables("rigid", "a rigid tool, die or plate: an exact surface, no particles");
   rigid.text("name", "name used in this file and in outputs");
@@ -136,21 +160,34 @@ void declare_rigids(Schema& s) {
       .count(2, 3)
       .by_default("[\"0 m\", \"0 m\", \"0 m\"]");
   Schema& heat = rigid.table("heat", "part of the body in the heat balance", true);
-  heat.choice("role", {"insulated", "fixed", "lumped"},
-              "no heat exchange, a given temperature, or one node with a heat capacity")
+  heat.choice(
+          "role", {"insulated", "fixed", "lumped", "mesh"},
+          "no heat exchange, a given temperature, one node with a heat capacity, or a mesh in which heat is conducted")
       .by_default("insulated");
-  heat.real("temperature", "its (initial) temperature").unit("K").positive().by_default("293.15 K");
-  heat.real("conductance", "of the interface to the particles; not needed with perfect_contact")
+  heat.expression("temperature", space_variables, "its (initial) temperature; a formula of x, y, z only for a mesh")
+      .unit("K")
+      .by_default("293.15 K");
+  heat.choice("interface", {"film", "perfect", "hybrid"},
+              "to the particles: a film, no resistance, or particles embedded in the mesh as one thermal medium")
+      .by_default("film");
+  heat.real("conductance", "of the film").unit("W/m2/K").not_negative().by_default("0 W/m2/K");
+  heat.real("pressure_conductance", "added to the film: this times (p/reference_pressure)^pressure_exponent")
       .unit("W/m2/K")
       .not_negative()
       .by_default("0 W/m2/K");
-  heat.boolean("perfect_contact", "no thermal resistance at the interface").by_default("false");
+  heat.real("reference_pressure", "see pressure_conductance").unit("Pa").positive().by_default("1 MPa");
+  heat.real("pressure_exponent", "see pressure_conductance").range(0.1, 3).by_default(0.95);
+  heat.texts("bodies", "names of the deformable bodies that exchange heat with it; all when missing").optional();
   heat.real("heat_capacity", "of the lumped node").unit("J/K").not_negative().by_default("0 J/K");
   heat.real("ambient_conductance", "from the lumped node to the surroundings")
       .unit("W/K")
       .not_negative()
       .by_default("0 W/K");
-  heat.real("ambient_temperature", "of the surroundings").unit("K").positive().by_default("293.15 K");
+  heat.real("ambient_temperature", "of the surroundings of the lumped node")
+      .unit("K")
+      .positive()
+      .by_default("293.15 K");
+  declare_mesh(heat);
 }
 
 void declare_contacts(Schema& s) {
@@ -202,7 +239,11 @@ void declare_sets_and_probes(Schema& s) {
       .by_default("0");
   probe.text("set", "name of a set; all particles when missing").optional();
   probe.reals("position", "of a point probe").unit("m").count(2, 3).optional();
-  probe.text("rigid", "rigid body of extruded_length").optional();
+  probe
+      .text("rigid",
+            "rigid body of extruded_length; of a point: its temperature there, the position being where it was at the "
+            "start")
+      .optional();
 }
 
 void declare_heat_and_output(Schema& s) {
@@ -217,6 +258,15 @@ void declare_heat_and_output(Schema& s) {
       .by_default("1");
   heat.choice("scheme", {"backward_euler", "crank_nicolson"}, "time scheme of the conduction")
       .by_default("backward_euler");
+  Schema& ambient = heat.table("ambient", "film between the free surface of the particles and the surroundings", true);
+  ambient.real("conductance", "of the film").unit("W/m2/K").positive();
+  ambient.real("temperature", "of the surroundings").unit("K").positive().by_default("293.15 K");
+  Schema& source = s.tables("heat_source", "heat put into bodies");
+  source.texts("on", "names of deformable bodies and, for a density, of rigid bodies with meshes");
+  source.expression("density", space_time_variables, "power per volume, formula of t, x, y, z").unit("W/m3").optional();
+  source.expression("flux", space_time_variables, "power per free surface of deformable bodies")
+      .unit("W/m2")
+      .optional();
 
   Schema& output = s.table("output", "what is written, and when");
   output.real("history_interval", "process time between rows of history.csv; 0: see history_steps")

@@ -13,22 +13,11 @@
 #include "neighbours/pair_list.hpp"
 #include "neighbours/smoothing_kernel.hpp"
 #include "parallel/halo_exchange.hpp"
-#include "particles/contact_point.hpp"
 #include "particles/particle_set.hpp"
+#include "thermal/interface_point.hpp"
+#include "thermal/rigid_heat.hpp"
 
 namespace stirsph {
-
-/// How a rigid body takes part in the heat balance.
-struct RigidHeat {
-  enum class Role { Insulated, FixedTemperature, LumpedNode };
-  Role role = Role::Insulated;
-  double temperature = 293.15;          ///< K; updated for a lumped node, the same on all ranks
-  double heat_capacity = 0;             ///< J/K, lumped node: mass times specific heat
-  double ambient_conductance = 0;       ///< W/K from the lumped node to the surroundings
-  double ambient_temperature = 293.15;  ///< K
-  double interface_conductance = 0;     ///< W/m2/K of the contact with particles; infinity = perfect contact
-  double heat_input = 0;  ///< J of friction heat since the last solve on this rank; summed over ranks, then zeroed
-};
 
 struct HeatSettings {
   double spacing = 0;           ///< m, particle spacing dx
@@ -39,15 +28,30 @@ struct HeatSettings {
   enum class Scheme { BackwardEuler, CrankNicolson } scheme = Scheme::BackwardEuler;
 };
 
+/// What one heat step did to one rigid body, all ranks [J].
+struct BodyHeat {
+  double gained = 0;     ///< by its nodes of free temperature
+  double interface = 0;  ///< received from particles through the interface
+  double surface = 0;    ///< given away through outer surfaces: films and nodes of fixed temperature
+  double friction = 0;   ///< friction heat put into its nodes
+};
+
+/// A film between particles and surroundings.
+struct ParticleFilm {
+  std::vector<double> conductance;      ///< W/K per owned particle
+  double ambient_temperature = 293.15;  ///< K
+};
+
 /// What one heat step did.
 struct HeatReport {
   int iterations = 0;        ///< KSP iterations
   double residual = 0;       ///< final relative residual
   double particle_heat = 0;  ///< J gained by all particles, all ranks
-  double rigid_heat = 0;     ///< J gained by lumped nodes
-  double source_heat = 0;    ///< J put in by plastic and friction heat
-  double fixed_heat = 0;     ///< J taken by bodies of fixed temperature
+  double rigid_heat = 0;     ///< J gained by rigid bodies
+  double source_heat = 0;    ///< J put in by plastic and friction heat and other sources
+  double fixed_heat = 0;     ///< J taken by bodies and surfaces of fixed temperature
   double ambient_heat = 0;   ///< J lost to the surroundings
+  std::vector<BodyHeat> bodies;
 };
 
 /// Owner of the matrix and of the KSP (options prefix `heat_`). PETSc must have been initialised.
@@ -59,11 +63,16 @@ class HeatSolver {
   /// Fields this module needs.
   static void add_fields(ParticleSet& particles);
 
-  /// Advances temperatures by dt [s], consuming `heat_input` of particles and bodies. Collective. Halo copies of
-  /// position and volume must be current; temperature halos are refreshed here. Throws SolverError on all ranks when
-  /// the KSP fails.
+  /// Advances temperatures by dt [s], consuming `heat_input` of particles, `heat` of the points and `node_input` of the
+  /// bodies. Collective. `film`: of the particles' free surface, or null. The same bodies with the same meshes must be
+  /// given at every call. Halo copies of position and volume must be current; temperature halos are refreshed here.
+  /// Throws SolverError on all ranks when the KSP fails.
   HeatReport advance(ParticleSet& particles, const PairList& pairs, const HaloExchange& halo,
-                     std::span<const ContactPoint> contacts, std::span<RigidHeat> bodies, double dt);
+                     std::span<const InterfacePoint> points, std::span<RigidHeat> bodies, double dt,
+                     const ParticleFilm* film = nullptr);
+
+  /// Bytes of the matrix and of the nodes' tables on this rank.
+  std::size_t bytes() const;
 
  private:
   struct Impl;

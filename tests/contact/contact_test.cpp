@@ -22,6 +22,8 @@ struct Touching {
          {&field::id, &field::body, &field::material, &field::mass, &field::position, &field::velocity,
           &field::acceleration, &field::volume, &field::flow_stress, &field::heat_input})
       particles.add(*info);
+    particles.add(field::rigid_heat, 2);
+    particles.add(field::rigid_impulse, 2);
     particles.resize_owned(1);
     particles[field::mass][0] = mass;
     particles[field::volume][0] = spacing * spacing * spacing;
@@ -44,6 +46,7 @@ ContactPair pair_with(double friction) {
   pair.friction = friction;
   pair.soft_scale = 0;
   pair.heat_share = {0.7};
+  pair.heat_component = 1;
   return pair;
 }
 
@@ -64,6 +67,9 @@ TEST(Contact, CoulombFrictionForceTorqueWorkAndHeat) {
   EXPECT_NEAR(one.particles[field::heat_input][0], 0.7 * heat, 1e-9 * heat);
   EXPECT_NEAR(ledger.friction_heat, 0.7 * heat, 1e-9 * heat);
   EXPECT_NEAR(load.heat, 0.3 * heat, 1e-9 * heat);
+  EXPECT_NEAR(one.particles.component(field::rigid_heat, 1)[0], 0.3 * heat, 1e-9 * heat);
+  EXPECT_EQ(one.particles.component(field::rigid_heat, 0)[0], 0);  // another body's
+  EXPECT_NEAR(one.particles.component(field::rigid_impulse, 1)[0], normal * dt, 1e-9 * normal * dt);
 }
 
 TEST(Contact, FrictionIsLimitedByTheShearStrength) {
@@ -77,14 +83,6 @@ TEST(Contact, DampingNeverPulls) {
   pair.damping = 1;
   const Touching leaving(pair, 1e30, 1e4);
   EXPECT_EQ(leaving.particles.component(field::acceleration, 2)[0], 0.0);
-}
-
-TEST(Contact, ThermalContactReachesAQuarterSpacing) {
-  Touching one(pair_with(0), 1e30);
-  for (const auto& [gap, touching] : {std::pair{0.2, 1u}, {0.3, 0u}}) {
-    one.particles.component(field::position, 2)[0] = (0.5 + gap) * spacing;
-    EXPECT_EQ(one.contact.thermal_points(one.particles, one.bodies).size(), touching);
-  }
 }
 
 }  // namespace

@@ -194,12 +194,12 @@ double slab_error(int half_count, int dim, const Kernel& kernel, double h_over_d
     wall.interface_conductance = std::numeric_limits<double>::infinity();
   }
   const auto x = particles.component(field::position, 0);
-  std::vector<ContactPoint> contacts;
+  std::vector<InterfacePoint> contacts;
   for (std::size_t i = 0; i < particles.owned(); ++i)
     for (int side = 0; side < 2; ++side) {
       const double distance = side == 0 ? x[i] : 2 * half - x[i];
       if (particles[field::id][i] >= 0 && distance < 0.9 * lattice.spacing) {
-        ContactPoint contact;
+        InterfacePoint contact;
         contact.particle = static_cast<std::int32_t>(i);
         contact.body = side;
         contact.distance = distance;

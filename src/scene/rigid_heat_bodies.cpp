@@ -1,0 +1,189 @@
+#include "scene/rigid_heat_bodies.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/log.hpp"
+#include "geometry/mesh_check.hpp"
+#include "geometry/mesh_file.hpp"
+#include "geometry/mesh_shape.hpp"
+#include "input/wording.hpp"
+
+namespace stirsph {
+namespace {
+
+SimplexMesh make_mesh(const Scene& scene, const RigidScene& rigid) {
+  const MeshScene& wanted = rigid.heat.mesh;
+  const int dim = layout_of(scene.space).dim;
+  if (!wanted.file.empty()) return read_mesh_file(wanted.file, {dim, wanted.scale, wanted.body});
+  ShapeMeshOptions options;
+  options.dimensions = dim;
+  options.cut = wanted.cut;
+  options.sizes.near = wanted.near;
+  options.sizes.far = wanted.far;
+  options.sizes.growth = wanted.growth;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b)
+    if (rigid.heat.bodies[b]) options.sizes.refine_at.push_back(scene.bodies[b].shape);
+  const ShapeMesh made = mesh_shape(rigid.shape, options);
+  log::info(
+      fmt::format("mesh of {}: {} nodes, {} elements, worst quality {:.2f}, facets within {:.2g} mm of the surface, "
+                  "{:.1f} s",
+                  rigid.name, made.mesh.nodes.size(), made.mesh.elements.size(), made.worst_quality,
+                  1e3 * made.surface_gap, made.meshing_seconds));
+  return made.mesh;
+}
+
+/// Everything of a mesh that the heat solve reads, from the root to all.
+void broadcast_mesh(const Comm& comm, SimplexMesh& mesh) {
+  std::vector<double> places;
+  std::vector<std::int64_t> numbers{mesh.dim, static_cast<std::int64_t>(mesh.nodes.size()),
+                                    static_cast<std::int64_t>(mesh.elements.size()),
+                                    static_cast<std::int64_t>(mesh.surface.size())};
+  for (const Vec3& x : mesh.nodes) places.insert(places.end(), {x.x, x.y, x.z});
+  for (const auto& element : mesh.elements) numbers.insert(numbers.end(), element.begin(), element.end());
+  for (const auto& facet : mesh.surface) numbers.insert(numbers.end(), facet.begin(), facet.end());
+  numbers.insert(numbers.end(), mesh.surface_elements.begin(), mesh.surface_elements.end());
+  const bool numbered = comm.any(!mesh.element_numbers.empty());
+  if (numbered) {
+    numbers.insert(numbers.end(), mesh.element_numbers.begin(), mesh.element_numbers.end());
+    numbers.insert(numbers.end(), mesh.node_numbers.begin(), mesh.node_numbers.end());
+  }
+  comm.broadcast(places);
+  comm.broadcast(numbers);
+  mesh.source = comm.broadcast(mesh.source);
+  if (!comm.is_root()) {
+    auto next = numbers.begin();
+    mesh.dim = static_cast<int>(*next++);
+    mesh.nodes.resize(static_cast<std::size_t>(*next++));
+    mesh.elements.resize(static_cast<std::size_t>(*next++));
+    mesh.surface.resize(static_cast<std::size_t>(*next++));
+    for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
+      mesh.nodes[n] = {places[3 * n], places[3 * n + 1], places[3 * n + 2]};
+    const auto take = [&](auto& values) {
+      for (auto& value : values) value = static_cast<std::int32_t>(*next++);
+    };
+    for (auto& element : mesh.elements) take(element);
+    for (auto& facet : mesh.surface) take(facet);
+    mesh.surface_elements.resize(mesh.surface.size());
+    take(mesh.surface_elements);
+    if (numbered) {
+      mesh.element_numbers.assign(next, next + static_cast<std::ptrdiff_t>(mesh.elements.size()));
+      next += static_cast<std::ptrdiff_t>(mesh.elements.size());
+      mesh.node_numbers.assign(next, numbers.end());
+    }
+  }
+  std::int64_t groups = static_cast<std::int64_t>(mesh.groups.size());
+  std::vector<std::int64_t> count{groups};
+  comm.broadcast(count);
+  mesh.groups.resize(static_cast<std::size_t>(count[0]));
+  for (SurfaceGroup& group : mesh.groups) {
+    group.name = comm.broadcast(group.name);
+    std::vector<std::int64_t> facets(group.facets.begin(), group.facets.end());
+    comm.broadcast(facets);
+    group.facets.assign(facets.begin(), facets.end());
+  }
+}
+
+RigidHeat meshed(const Comm& comm, const Scene& scene, const RigidScene& rigid) {
+  SimplexMesh mesh;
+  comm.together([&] {
+    if (!comm.is_root()) return;
+    mesh = make_mesh(scene, rigid);
+    check_mesh(mesh);
+  });
+  broadcast_mesh(comm, mesh);
+  std::vector<SurfaceCondition> conditions;
+  for (const SurfaceScene& surface : rigid.heat.surfaces) {
+    if (surface.kind == SurfaceScene::Kind::Flux) continue;
+    conditions.push_back({surface.kind == SurfaceScene::Kind::FixedTemperature
+                              ? SurfaceCondition::Kind::FixedTemperature
+                              : SurfaceCondition::Kind::Film,
+                          chosen_facets(mesh, surface), surface.temperature, surface.conductance});
+  }
+  const Material& material = scene.materials[rigid.material];
+  RigidHeat heat;
+  heat.mesh = std::make_shared<const HeatMesh>(std::move(mesh), material.thermal, material.density, conditions);
+  heat.start_at(293.15);
+  double capacity = 0, sum = 0;
+  for (std::size_t n = 0; n < heat.mesh->nodes(); ++n) {
+    const Vec3& x = heat.mesh->mesh().nodes[n];
+    if (!heat.mesh->fixed(n)) heat.node_temperature[n] = rigid.heat.temperature({x.x, x.y, x.z});
+    if (!(heat.node_temperature[n] > 0))
+      throw InputError(fmt::format("the temperature is {} K at x, y, z = {}, {}, {} m. Allowed: > 0 K",
+                                   heat.node_temperature[n], x.x, x.y, x.z));
+    const double c = heat.mesh->node_mass(n) * material.thermal.specific_heat(heat.node_temperature[n]);
+    capacity += c;
+    sum += c * heat.node_temperature[n];
+  }
+  heat.temperature = sum / capacity;
+  heat.heat_capacity = capacity;
+  return heat;
+}
+
+}  // namespace
+
+std::vector<std::int32_t> chosen_facets(const SimplexMesh& mesh, const SurfaceScene& surface) {
+  if (!surface.group.empty()) {
+    if (const SurfaceGroup* group = find_group(mesh, surface.group)) return group->facets;
+    std::vector<std::string> known;
+    for (const SurfaceGroup& group : mesh.groups) known.push_back(group.name);
+    throw InputError(fmt::format("{} has no surface group \"{}\". Known: {}.{}", mesh.source, surface.group,
+                                 known.empty() ? "none" : input::joined(known),
+                                 input::did_you_mean(surface.group, known)));
+  }
+  std::vector<std::int32_t> facets;
+  for (std::size_t f = 0; f < mesh.surface.size(); ++f)
+    if (surface.region->distance(facet_centroid(mesh, static_cast<std::int32_t>(f))) <= 0)
+      facets.push_back(static_cast<std::int32_t>(f));
+  if (facets.empty())
+    throw InputError(fmt::format("no facet of {} has its centroid inside the region of a surface condition: {}",
+                                 mesh.source, surface.region->describe()));
+  return facets;
+}
+
+std::vector<RigidHeat> make_rigid_heat(const Comm& comm, const Scene& scene) {
+  using Role = RigidHeatScene::Role;
+  std::vector<RigidHeat> result;
+  for (const RigidScene& rigid : scene.rigids) {
+    const RigidHeatScene& wanted = rigid.heat;
+    RigidHeat heat;
+    try {
+      if (scene.heat.mode != HeatScene::Mode::Conduction) {
+        // Without conduction nobody exchanges heat.
+      } else if (wanted.role == Role::Mesh) {
+        heat = meshed(comm, scene, rigid);
+        heat.role = RigidHeat::Role::Mesh;
+      } else if (wanted.role != Role::Insulated) {
+        heat.role = wanted.role == Role::Fixed ? RigidHeat::Role::FixedTemperature : RigidHeat::Role::LumpedNode;
+        heat.temperature = wanted.temperature({0, 0, 0});
+      }
+    } catch (const InputError& error) {
+      throw InputError(scene.path + " rigid \"" + rigid.name + "\" heat: " + error.what());
+    } catch (const Error& error) {  // agreed on by all ranks
+      throw Error(error.code(), scene.path + " rigid \"" + rigid.name + "\" heat: " + error.what());
+    }
+    if (!heat.mesh) heat.heat_capacity = wanted.heat_capacity;
+    heat.ambient_conductance = wanted.ambient_conductance;
+    heat.ambient_temperature = wanted.ambient_temperature;
+    heat.interface_conductance = wanted.conductance;
+    heat.pressure_conductance = wanted.pressure_conductance;
+    heat.reference_pressure = wanted.reference_pressure;
+    heat.pressure_exponent = wanted.pressure_exponent;
+    result.push_back(std::move(heat));
+  }
+  return result;
+}
+
+std::vector<HeatInterface> heat_interfaces(const Scene& scene) {
+  std::vector<HeatInterface> interfaces;
+  for (std::size_t r = 0; r < scene.rigids.size(); ++r) {
+    if (scene.rigids[r].heat.role == RigidHeatScene::Role::Insulated) continue;
+    const int component = static_cast<int>(interfaces.size());
+    interfaces.push_back({static_cast<int>(r), scene.rigids[r].heat.bodies, component});
+  }
+  return interfaces;
+}
+
+}  // namespace stirsph

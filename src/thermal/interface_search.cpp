@@ -1,0 +1,170 @@
+#include "thermal/interface_search.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/error.hpp"
+#include "particles/field_names.hpp"
+
+namespace stirsph {
+namespace {
+
+constexpr double contact_reach = 0.75;  ///< spacings from centre to surface: a quarter beyond touching
+
+struct SurfaceFoot {
+  std::int32_t particle;
+  Vec3 point, normal;
+  double distance;   ///< m
+  double flat_area;  ///< m2
+};
+
+/// Feet of owned particles first, then those of halo copies; both in storage order.
+std::vector<SurfaceFoot> feet_on(const ParticleSet& particles, const HeatInterface& interface, const RigidBody& rigid,
+                                 double reach) {
+  const auto body = particles[field::body], volume = particles[field::volume];
+  const double exponent = (particles.layout().dim - 1.0) / particles.layout().dim;
+  std::vector<SurfaceFoot> feet;
+  for (std::size_t i = 0; i < particles.total(); ++i) {
+    if (!interface.bodies[static_cast<std::size_t>(body[i])]) continue;
+    const Vec3 x = particles.vector_at(field::position, i);
+    const SurfacePoint surface = rigid.nearest(x);
+    if (surface.distance >= reach) continue;
+    feet.push_back({static_cast<std::int32_t>(i), x - surface.distance * surface.normal, surface.normal,
+                    surface.distance, std::pow(volume[i], exponent)});
+  }
+  return feet;
+}
+
+std::vector<NodeWeight> nodes_at(const HeatMesh& mesh, const SurfacePlace& place) {
+  std::vector<NodeWeight> nodes;
+  for (int c = 0; c < mesh.mesh().dim; ++c) nodes.push_back({mesh.mesh().surface[place.facet][c], place.weights[c]});
+  return nodes;
+}
+
+double longest_edge(const SimplexMesh& mesh, std::int32_t facet) {
+  double longest = 0;
+  for (int i = 0; i < mesh.dim; ++i)
+    for (int j = 0; j < i; ++j)
+      longest = std::max(longest, norm(mesh.nodes[mesh.surface[facet][i]] - mesh.nodes[mesh.surface[facet][j]]));
+  return longest;
+}
+
+/// A facet of edge s on a radius R >= s lies at most s/8 off the true surface; twice that is not the same surface.
+double largest_gap(const SimplexMesh& mesh, const SurfacePlace& place) {
+  return 0.25 * longest_edge(mesh, place.facet);
+}
+
+std::string shown(const Vec3& x) { return fmt::format("({:.5g}, {:.5g}, {:.5g}) mm", 1e3 * x.x, 1e3 * x.y, 1e3 * x.z); }
+
+/// The friction heat of one interface: taken from the field by the points, the rest is left over.
+class FrictionHeat {
+ public:
+  FrictionHeat(ParticleSet& particles, int component, double elapsed) : owned_(particles.owned()), elapsed_(elapsed) {
+    if (component < 0) return;
+    if (particles.has(field::rigid_heat)) heat_ = particles.component(field::rigid_heat, component);
+    if (particles.has(field::rigid_impulse)) impulse_ = particles.component(field::rigid_impulse, component);
+  }
+  double take(std::size_t i) { return heat_.empty() ? 0.0 : std::exchange(heat_[i], 0.0); }
+  double pressure(std::size_t i, double area) const {
+    return impulse_.empty() || !(elapsed_ > 0) || !(area > 0) ? 0.0 : impulse_[i] / (elapsed_ * area);
+  }
+  template <class Visit>
+  void for_each_left(Visit&& visit) {
+    if (!heat_.empty())
+      for (std::size_t i = 0; i < owned_; ++i)
+        if (heat_[i] != 0) visit(i);
+  }
+  void clear_impulse() { std::fill(impulse_.begin(), impulse_.end(), 0.0); }
+
+ private:
+  std::size_t owned_;
+  double elapsed_;
+  std::span<double> heat_, impulse_;
+};
+
+}  // namespace
+
+std::vector<InterfacePoint> take_interface_points(ParticleSet& particles, std::span<const HeatInterface> interfaces,
+                                                  std::span<const RigidBody> rigids, std::span<const RigidHeat> heat,
+                                                  double spacing, double elapsed) {
+  std::vector<InterfacePoint> points;
+  for (const HeatInterface& interface : interfaces) {
+    const RigidBody& rigid = rigids[interface.rigid];
+    const RigidHeat& body = heat[interface.rigid];
+    FrictionHeat friction(particles, interface.component, elapsed);
+    const auto add = [&](const SurfaceFoot& foot, double area) {
+      InterfacePoint point;
+      point.particle = foot.particle;
+      point.body = interface.rigid;
+      point.distance = foot.distance;
+      point.area = area;
+      point.pressure = friction.pressure(foot.particle, area);
+      point.heat = friction.take(foot.particle);
+      if (body.mesh) point.nodes = nodes_at(*body.mesh, body.mesh->nearest(rigid.pose.to_body(foot.point)));
+      points.push_back(std::move(point));
+    };
+    const std::vector<SurfaceFoot> feet = feet_on(particles, interface, rigid, contact_reach * spacing);
+    for (const SurfaceFoot& foot : feet)
+      if (std::size_t(foot.particle) < particles.owned()) add(foot, foot.flat_area);
+    friction.for_each_left([&](std::size_t i) {
+      const Vec3 x = particles.vector_at(field::position, i);
+      const SurfacePoint surface = rigid.nearest(x);
+      add({static_cast<std::int32_t>(i), x - surface.distance * surface.normal, surface.normal, surface.distance, 0.0},
+          0.0);
+    });
+    friction.clear_impulse();
+  }
+  return points;
+}
+
+std::vector<NodeWeight> nodes_around(const HeatMesh& mesh, const Vec3& point) {
+  const VolumePlace inside = ElementSearch(mesh.mesh()).find(point);
+  if (inside.element < 0) {
+    const SurfacePlace place = mesh.nearest(point);
+    if (place.distance > largest_gap(mesh.mesh(), place))
+      throw InputError(fmt::format("{} lies outside the mesh, {:.4g} mm from its nearest surface point {}",
+                                   shown(point), 1e3 * place.distance, shown(place.point)));
+    return nodes_at(mesh, place);
+  }
+  std::vector<NodeWeight> nodes;
+  for (int c = 0; c < mesh.mesh().corners(); ++c)
+    nodes.push_back({mesh.mesh().elements[inside.element][c], inside.weights[c]});
+  return nodes;
+}
+
+void check_meshes_fit(const ParticleSet& particles, std::span<const HeatInterface> interfaces,
+                      std::span<const RigidBody> rigids, std::span<const RigidHeat> heat, double spacing) {
+  for (const HeatInterface& interface : interfaces) {
+    const RigidBody& rigid = rigids[interface.rigid];
+    if (!heat[interface.rigid].mesh) continue;
+    const HeatMesh& mesh = *heat[interface.rigid].mesh;
+    const ElementSearch elements(mesh.mesh());
+    for (std::size_t i = 0; i < particles.owned(); ++i) {
+      const Vec3 x = particles.vector_at(field::position, i);
+      const VolumePlace inside = elements.find(rigid.pose.to_body(x));
+      if (inside.element >= 0)
+        throw InputError(
+            fmt::format("rigid \"{}\": particle {} at {} lies inside element {} of {}: the mesh overlaps a deformable "
+                        "body. Move or "
+                        "shrink one of them, or correct the scale of the mesh file",
+                        rigid.name, static_cast<std::int64_t>(particles[field::id][i]), shown(x),
+                        mesh.mesh().element_number(inside.element), mesh.mesh().source));
+    }
+    for (const SurfaceFoot& foot : feet_on(particles, interface, rigid, contact_reach * spacing)) {
+      const SurfacePlace place = mesh.nearest(rigid.pose.to_body(foot.point));
+      if (place.distance > largest_gap(mesh.mesh(), place))
+        throw InputError(fmt::format(
+            "rigid \"{}\": the shape touches a particle at {}, but the nearest facet of {} (of element {}) is {:.4g} "
+            "mm "
+            "away, more than a quarter of its edge: shape and mesh are not the same body. Correct shape, mesh scale or "
+            "cut",
+            rigid.name, shown(foot.point), mesh.mesh().source,
+            mesh.mesh().element_number(mesh.mesh().surface_elements[place.facet]), 1e3 * place.distance));
+    }
+  }
+}
+
+}  // namespace stirsph

@@ -1,0 +1,37 @@
+/// Finds where particles exchange heat with rigid bodies: feet on the exact surfaces, areas, places on the meshes.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "geometry/rigid_body.hpp"
+#include "particles/particle_set.hpp"
+#include "thermal/interface_point.hpp"
+#include "thermal/rigid_heat.hpp"
+
+namespace stirsph {
+
+/// A rigid body's interface with particles.
+struct HeatInterface {
+  int rigid = 0;             ///< index of the rigid body
+  std::vector<bool> bodies;  ///< which particle bodies exchange heat with it
+  int component = -1;        ///< of field::rigid_heat and field::rigid_impulse; -1: no friction
+};
+
+/// The points of owned particles, interface by interface, in storage order. Reads position, volume and body of halo
+/// copies. A particle holding friction heat for a body keeps a point without area where it has left the surface, so
+/// that no heat is lost. `elapsed` [s] since the last heat solve turns impulses into pressures. Empties rigid_heat and
+/// rigid_impulse.
+std::vector<InterfacePoint> take_interface_points(ParticleSet& particles, std::span<const HeatInterface> interfaces,
+                                                  std::span<const RigidBody> rigids, std::span<const RigidHeat> heat,
+                                                  double spacing, double elapsed);
+
+/// Nodes and weights of a point in a mesh, in the body's frame. On a facetted surface the exact place may lie just
+/// outside: then the nearest surface point stands for it. Throws InputError when the point is farther out than that.
+std::vector<NodeWeight> nodes_around(const HeatMesh& mesh, const Vec3& point);
+
+/// Throws InputError when a particle sits inside a mesh, or touches a shape where the mesh has no surface.
+void check_meshes_fit(const ParticleSet& particles, std::span<const HeatInterface> interfaces,
+                      std::span<const RigidBody> rigids, std::span<const RigidHeat> heat, double spacing);
+
+}  // namespace stirsph
