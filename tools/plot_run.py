@@ -36,6 +36,7 @@ QUANTITIES = {
     "K": ("temperature", []),
     "J": ("energy", [("kJ", 1e3, 2e3)]),
     "m": ("length", [("mm", 1e-3, 0.0)]),
+    "m2": ("area", [("mm²", 1e-6, 0.0)]),
     "m/s": ("velocity", [("mm/s", 1e-3, 0.0)]),
     "W": ("power", [("kW", 1e3, 2e3)]),
     "Pa": ("stress", [("MPa", 1e6, 0.0)]),
@@ -131,7 +132,7 @@ def draw_panel(axes, time, names, title, unit, values):
         smallest = np.nanmin(largest[largest > 0])
         axes.set_yscale("log", nonpositive="mask")
         axes.set_ylim(bottom=max(axes.get_ylim()[0], np.clip(0.01 * smallest, 1e-12, 1e-6)))
-    if len(shown) > 6:
+    if len(shown) > 4:  # beside the panel: inside it would lie on the curves
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5), fontsize=7)
     elif len(shown) > 1:
         axes.legend(loc="best", fontsize=7)
