@@ -17,7 +17,7 @@ LAYERS = {
     "materials": ["base", "input"],
     "neighbours": ["base", "particles"],
     "parallel": ["base", "particles"],
-    "io": ["base", "particles", "parallel"],
+    "io": ["base", "particles", "geometry"],
     "mechanics": ["base", "input", "particles", "materials", "neighbours", "parallel"],
     "contact": ["base", "input", "particles", "geometry"],
     "thermal": ["base", "input", "particles", "geometry", "materials", "neighbours", "parallel"],

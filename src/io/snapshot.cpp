@@ -12,7 +12,7 @@
 #include "base/error.hpp"
 #include "base/tensor.hpp"
 #include "io/files.hpp"
-#include "io/hdf5_file.hpp"
+#include "io/vtk_file.hpp"
 #include "particles/field_names.hpp"
 
 namespace stirsph {
@@ -20,20 +20,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string root_group = "VTKHDF", point_data = "VTKHDF/PointData";
-constexpr std::uint8_t vtk_vertex = 1;
-
 /// Fields whose values name something; single precision would merge large ones.
 bool holds_whole_numbers(std::string_view name) {
   constexpr std::array names{field::id.name, field::body.name, field::material.name, field::sets.name};
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-std::string file_name(int number) {
-  char name[64];
-  std::snprintf(name, sizeof name, "snapshot_%06d.vtkhdf", number);
-  return name;
-}
+std::string name_of(const std::string& path) { return fs::path(path).filename().string(); }
 
 std::string exact(double value) {
   char text[32];
@@ -41,9 +34,13 @@ std::string exact(double value) {
   return text;
 }
 
-void describe(Hdf5File& file, const std::string& dataset, std::string_view unit, std::string_view meaning) {
-  file.set_attribute(dataset, "unit", std::string(unit));
-  file.set_attribute(dataset, "meaning", std::string(meaning));
+/// One line of ParaView's index of a series.
+void add_to_series(std::string& lines, const std::string& name, const std::string& time) {
+  lines += (lines.empty() ? "\n" : ",\n") + ("    {\"name\": \"" + name + "\", \"time\": " + time + "}");
+}
+
+void write_series(const std::string& path, const std::string& lines) {
+  write_text_file(path, "{\n  \"file-series-version\": \"1.0\",\n  \"files\": [" + lines + "\n  ]\n}\n");
 }
 
 /// Rows of `width` floats; column k of a row is the field's component source[k], missing components are zero.
@@ -75,27 +72,26 @@ void write_grid(const Comm& comm, Hdf5File& file, const ParticleSet& particles) 
   const std::size_t owned = particles.owned();
   const auto count = static_cast<std::int64_t>(owned);
   const std::int64_t total = comm.sum(count);
-  for (const char* name : {"NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"})
-    file.write_replicated<std::int64_t>(root_group + "/" + name, std::vector<std::int64_t>{total});
+  vtk::write_counts(file, total, total, total);
 
   std::vector<float> points(3 * owned);
   for (std::size_t i = 0; i < owned; ++i)
     for (int c = 0; c < 3; ++c)
       points[3 * i + std::size_t(c)] = static_cast<float>(particles.vector_at(field::position, i)[c]);
-  file.write_rows<float>(root_group + "/Points", points, 3);
-  describe(file, root_group + "/Points", field::position.unit, field::position.meaning);
+  file.write_rows<float>(vtk::group + "/Points", points, 3);
+  vtk::describe(file, vtk::group + "/Points", field::position.unit, field::position.meaning);
 
   // Cell k is the vertex k. There is one more offset than there are cells: the end of the last one.
   std::vector<std::int64_t> numbers(owned);
   std::iota(numbers.begin(), numbers.end(), comm.exclusive_sum(count));
-  file.write_rows<std::int64_t>(root_group + "/Connectivity", numbers);
+  file.write_rows<std::int64_t>(vtk::group + "/Connectivity", numbers);
   if (comm.rank() == comm.size() - 1) numbers.push_back(total);
-  file.write_rows<std::int64_t>(root_group + "/Offsets", numbers);
-  file.write_rows<std::uint8_t>(root_group + "/Types", std::vector<std::uint8_t>(owned, vtk_vertex));
+  file.write_rows<std::int64_t>(vtk::group + "/Offsets", numbers);
+  file.write_rows<std::uint8_t>(vtk::group + "/Types", std::vector<std::uint8_t>(owned, vtk::vertex));
 }
 
 void write_field(Hdf5File& file, const ParticleSet& particles, const Field& field) {
-  const std::string dataset = point_data + "/" + std::string(field.info->name);
+  const std::string dataset = vtk::point_data + "/" + std::string(field.info->name);
   const std::size_t owned = particles.owned();
   if (holds_whole_numbers(field.info->name)) {
     std::vector<std::int64_t> values(owned);
@@ -106,13 +102,15 @@ void write_field(Hdf5File& file, const ParticleSet& particles, const Field& fiel
     const auto width = static_cast<std::int64_t>(columns.size());
     file.write_rows<float>(dataset, rows_of(field, owned, columns), width > 1 ? width : 0);
   }
-  describe(file, dataset, field.info->unit, field.info->meaning);
+  vtk::describe(file, dataset, field.info->unit, field.info->meaning);
 }
 
 }  // namespace
 
 std::string snapshot_path(const std::string& folder, int number) {
-  return (fs::path(folder) / file_name(number)).string();
+  char name[64];
+  std::snprintf(name, sizeof name, "snapshot_%06d.vtkhdf", number);
+  return (fs::path(folder) / name).string();
 }
 
 SnapshotSeries::SnapshotSeries(const Comm& comm, const std::string& folder, const std::vector<std::string>& fields)
@@ -126,7 +124,7 @@ bool SnapshotSeries::selected(const FieldInfo& info) const {
 
 void SnapshotSeries::resume(double time, double time_tolerance) {
   entries_.clear();
-  std::vector<std::int64_t> steps;
+  std::vector<std::int64_t> steps, with_rigid;
   std::vector<double> times;
   comm_.together([&] {
     if (!comm_.is_root()) return;
@@ -144,56 +142,47 @@ void SnapshotSeries::resume(double time, double time_tolerance) {
       if (at > time + time_tolerance) break;
       steps.push_back(step);
       times.push_back(at);
+      with_rigid.push_back(line.ends_with("," + name_of(rigid_snapshot_path(folder_, number))));
     }
   });
   comm_.broadcast(steps);
   comm_.broadcast(times);
-  for (std::size_t k = 0; k < steps.size(); ++k) entries_.push_back({steps[k], times[k]});
+  comm_.broadcast(with_rigid);
+  for (std::size_t k = 0; k < steps.size(); ++k) entries_.push_back({steps[k], times[k], with_rigid[k] != 0});
   write_index();
 }
 
+void SnapshotSeries::check_names(const ParticleSet& particles, const std::vector<DerivedField>& derived) const {
+  for (const std::string& name : fields_) {
+    const auto named = [&](const auto& field) { return field->info->name == name; };
+    const auto derived_named = [&](const DerivedField& field) { return field.name == name; };
+    if (std::none_of(particles.fields().begin(), particles.fields().end(), named) &&
+        std::none_of(derived.begin(), derived.end(), derived_named))
+      throw InputError("the scene asks for the field '" + name + "' in snapshots, but no model of it has that field");
+  }
+}
+
 std::string SnapshotSeries::write(const ParticleSet& particles, double time, std::int64_t step,
-                                  const std::vector<DerivedField>& derived) {
-  const std::string path = snapshot_path(folder_, next()), temporary = path + ".part";
-  comm_.together([&] {
-    for (const std::string& name : fields_) {
-      const auto named = [&](const auto& field) { return field->info->name == name; };
-      const auto derived_named = [&](const DerivedField& field) { return field.name == name; };
-      if (std::none_of(particles.fields().begin(), particles.fields().end(), named) &&
-          std::none_of(derived.begin(), derived.end(), derived_named))
-        throw InputError("the scene asks for the field '" + name + "' in snapshots, but no model of it has that field");
-    }
-  });
+                                  const std::vector<DerivedField>& derived, const std::vector<MeshState>& rigid) {
+  comm_.together([&] { check_names(particles, derived); });
+  const std::string path = snapshot_path(folder_, next());
   // 8 bytes per value are more than enough, and this much room is only asked for, not used.
   const auto columns = static_cast<std::int64_t>(particles.state_width() + derived.size()) + 16;
   const std::int64_t bytes = 8 * columns * comm_.sum(static_cast<std::int64_t>(particles.owned())) + 1024 * columns;
-  try {
-    Hdf5File file(comm_, temporary, Hdf5File::Mode::Create, bytes);
-    file.create_group(root_group);
-    file.set_attribute(root_group, "Version", std::vector<std::int64_t>{1, 0});
-    file.set_attribute(root_group, "Type", "UnstructuredGrid");
-    file.set_attribute(root_group, "time", time);
-    file.set_attribute(root_group, "step", step);
+  vtk::write_file(comm_, path, time, step, bytes, [&](Hdf5File& file) {
     write_grid(comm_, file, particles);
-    file.create_group(point_data);
+    file.create_group(vtk::point_data);
     for (const auto& field : particles.fields())
       if (selected(*field->info)) write_field(file, particles, *field);
     for (const DerivedField& field : derived) {
       STIRSPH_EXPECT(field.values.size() == particles.owned(), "a derived field has one value per owned particle");
-      const std::string dataset = point_data + "/" + field.name;
+      const std::string dataset = vtk::point_data + "/" + field.name;
       file.write_rows<float>(dataset, std::vector<float>(field.values.begin(), field.values.end()));
-      describe(file, dataset, field.unit, field.meaning);
+      vtk::describe(file, dataset, field.unit, field.meaning);
     }
-    file.flush();
-    file.close();
-    comm_.together([&] {
-      if (comm_.is_root()) publish_file(temporary, path);
-    });
-  } catch (...) {
-    if (comm_.is_root()) remove_quietly(temporary);
-    throw;
-  }
-  entries_.push_back({step, time});
+  });
+  if (!rigid.empty()) write_rigid_snapshot(comm_, rigid_snapshot_path(folder_, next()), rigid, time, step);
+  entries_.push_back({step, time, !rigid.empty()});
   write_index();
   return path;
 }
@@ -201,15 +190,23 @@ std::string SnapshotSeries::write(const ParticleSet& particles, double time, std
 void SnapshotSeries::write_index() const {
   comm_.together([&] {
     if (!comm_.is_root()) return;
-    std::string table = "number,step,time [s],file\n", series;
+    std::string table = "number,step,time [s],file,rigid file\n", particle_series, rigid_series;
     for (std::size_t k = 0; k < entries_.size(); ++k) {
-      const std::string name = file_name(static_cast<int>(k)), time = exact(entries_[k].time);
-      table += std::to_string(k) + "," + std::to_string(entries_[k].step) + "," + time + "," + name + "\n";
-      series += (k ? ",\n" : "\n") + ("    {\"name\": \"" + name + "\", \"time\": " + time + "}");
+      const Entry& entry = entries_[k];
+      const std::string time = exact(entry.time), name = name_of(snapshot_path(folder_, static_cast<int>(k)));
+      const std::string rigid = entry.rigid ? name_of(rigid_snapshot_path(folder_, static_cast<int>(k))) : "";
+      table += std::to_string(k) + "," + std::to_string(entry.step) + "," + time + "," + name + "," + rigid + "\n";
+      add_to_series(particle_series, name, time);
+      if (entry.rigid) add_to_series(rigid_series, rigid, time);
     }
-    write_text_file((fs::path(folder_) / "snapshots.csv").string(), table);
-    write_text_file((fs::path(folder_) / "snapshots.vtkhdf.series").string(),
-                    "{\n  \"file-series-version\": \"1.0\",\n  \"files\": [" + series + "\n  ]\n}\n");
+    const fs::path folder(folder_);
+    write_text_file((folder / "snapshots.csv").string(), table);
+    write_series((folder / "snapshots.vtkhdf.series").string(), particle_series);
+    const std::string rigid_index = (folder / "rigid.vtkhdf.series").string();
+    if (rigid_series.empty())
+      remove_quietly(rigid_index);  // one of an earlier run in this folder would show bodies that are not there
+    else
+      write_series(rigid_index, rigid_series);
   });
 }
 

@@ -1,4 +1,4 @@
-/// Particle fields for ParaView and Python: one VTKHDF file per snapshot and an index of their times.
+/// Particle fields and meshed rigid bodies for ParaView and Python: VTKHDF files and an index of their times.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/comm.hpp"
+#include "io/rigid_snapshot.hpp"
 #include "particles/particle_set.hpp"
 
 namespace stirsph {
@@ -16,10 +17,11 @@ struct DerivedField {
   std::vector<double> values;
 };
 
-/// The numbered snapshots of a run folder: snapshot_000012.vtkhdf, `snapshots.csv` (number, step, time, file) and
-/// `snapshots.vtkhdf.series`, with which ParaView shows them as one animation with true times. VTKHDF 1.0: the version
-/// that ParaView 5.11 reads; particles are vertex cells of one unstructured grid. Values are single precision, whole
-/// numbers (ids, bodies, materials) 64-bit integers, symmetric tensors in VTK's order xx yy zz xy yz xz.
+/// The numbered snapshots of a run folder: snapshot_000012.vtkhdf with the particles and, in scenes with meshed rigid
+/// bodies, rigid_000012.vtkhdf with these; `snapshots.csv` (number, step, time, file, rigid file); and
+/// `snapshots.vtkhdf.series` and `rigid.vtkhdf.series`, with which ParaView shows each as one animation with true
+/// times. Particles are vertex cells of one unstructured grid. Values are single precision, whole numbers (ids, bodies,
+/// materials) 64-bit integers, symmetric tensors in VTK's order xx yy zz xy yz xz.
 class SnapshotSeries {
  public:
   /// `fields` names the fields to write, empty for those declared with snapshot = true. The position is always written.
@@ -29,9 +31,10 @@ class SnapshotSeries {
   /// forgets later ones, which will be overwritten. `time_tolerance` [s] should be a fraction of a time step.
   void resume(double time, double time_tolerance);
 
-  /// Collective. Writes the next snapshot and returns its path. A file appears under its name only when complete.
+  /// Collective. Writes the next snapshot and returns the path of its particles. A file appears under its name only
+  /// when complete. `rigid`: as many meshed bodies on every rank, none for a snapshot of particles only.
   std::string write(const ParticleSet& particles, double time, std::int64_t step,
-                    const std::vector<DerivedField>& derived = {});
+                    const std::vector<DerivedField>& derived = {}, const std::vector<MeshState>& rigid = {});
 
   /// Number of the next snapshot.
   int next() const { return static_cast<int>(entries_.size()); }
@@ -40,8 +43,10 @@ class SnapshotSeries {
   struct Entry {
     std::int64_t step;
     double time;
+    bool rigid;  ///< it has meshed bodies too
   };
 
+  void check_names(const ParticleSet& particles, const std::vector<DerivedField>& derived) const;
   bool selected(const FieldInfo& info) const;
   void write_index() const;
 

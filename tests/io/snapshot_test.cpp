@@ -101,8 +101,8 @@ TEST(Snapshot, TheIndexFollowsTheRunAndItsRestart) {
   series.write(particles, 0.15, 15);
   world.barrier();
   EXPECT_EQ(contents(folder / "snapshots.csv"),
-            "number,step,time [s],file\n0,0,0,snapshot_000000.vtkhdf\n1,10,0.1,snapshot_000001.vtkhdf\n"
-            "2,15,0.15,snapshot_000002.vtkhdf\n");
+            "number,step,time [s],file,rigid file\n0,0,0,snapshot_000000.vtkhdf,\n1,10,0.1,snapshot_000001.vtkhdf,\n"
+            "2,15,0.15,snapshot_000002.vtkhdf,\n");
   const std::string json = contents(folder / "snapshots.vtkhdf.series");
   EXPECT_NE(json.find("{\"name\": \"snapshot_000002.vtkhdf\", \"time\": 0.15}"), std::string::npos) << json;
 }
