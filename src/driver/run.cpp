@@ -17,6 +17,7 @@
 #include "io/checkpoint.hpp"
 #include "io/files.hpp"
 #include "io/history.hpp"
+#include "io/rigid_snapshot.hpp"
 #include "io/snapshot.hpp"
 #include "mechanics/simd.hpp"
 #include "particles/field_names.hpp"
@@ -195,7 +196,12 @@ void Run::write_snapshot() {
     }
     derived = {std::move(mises), std::move(pressure)};
   }
-  snapshots_.write(simulation_.particles(), simulation_.clock().time, simulation_.clock().step, derived);
+  std::vector<MeshState> meshes;
+  for (std::size_t r = 0; r < simulation_.rigids().size(); ++r)
+    if (const RigidHeat& heat = simulation_.rigid_heat()[r]; heat.mesh)
+      meshes.push_back({&heat.mesh->mesh(), static_cast<std::int64_t>(r),
+                        nodes_in_scene(heat.mesh->mesh(), simulation_.rigids()[r].pose), heat.node_temperature});
+  snapshots_.write(simulation_.particles(), simulation_.clock().time, simulation_.clock().step, derived, meshes);
   last_snapshot_step_ = simulation_.clock().step;
 }
 

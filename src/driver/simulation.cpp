@@ -228,8 +228,7 @@ void Simulation::absorb_heat_at_once() {
 
 void Simulation::conduct(double dt) {
   add_heat_sources(dt);
-  const std::vector<InterfacePoint> points =
-      take_interface_points(particles_, interfaces_, rigids_, rigid_heat_, scene_.numerics.spacing, dt);
+  const std::vector<InterfacePoint> points = interfaces_->take_points(particles_, rigids_, rigid_heat_, dt);
   last_heat_ = heat_->advance(particles_, neighbourhood_->pairs(), neighbourhood_->halo(), points, rigid_heat_, dt);
   heat_ledger_.particles += last_heat_.particle_heat;
   heat_ledger_.rigid += last_heat_.rigid_heat;

@@ -144,7 +144,7 @@ class Simulation {
   std::vector<RigidBody> rigids_;
   std::vector<RigidMotion> motions_;
   std::vector<RigidHeat> rigid_heat_;
-  std::vector<HeatInterface> interfaces_;
+  std::unique_ptr<InterfaceSearch> interfaces_;
   std::map<std::string, std::vector<NodeWeight>> probe_nodes_;
   std::vector<Vec3> rigid_force_, rigid_torque_;
   std::vector<std::vector<std::int32_t>> grip_members_;

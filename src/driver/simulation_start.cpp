@@ -42,8 +42,8 @@ void Simulation::add_fields() {
   if (mechanics_) mechanics_->add_fields(particles_);
   if (heat_) HeatSolver::add_fields(particles_);
   if (scene_.heat.mode != HeatScene::Mode::Off) particles_.add(field::heat_input);
-  if (contact_ && !interfaces_.empty()) {
-    const int count = static_cast<int>(interfaces_.size());
+  if (contact_ && interfaces_ && !interfaces_->interfaces().empty()) {
+    const int count = static_cast<int>(interfaces_->interfaces().size());
     particles_.add(field::rigid_heat, count);
     for (const RigidScene& rigid : scene_.rigids)
       if (rigid.heat.pressure_conductance > 0) particles_.add(field::rigid_impulse, count);
@@ -96,7 +96,10 @@ void Simulation::prepare_rigids() {
     rigids_.push_back({rigid.name, rigid.shape, motions_.back().initial_pose()});
   }
   rigid_heat_ = make_rigid_heat(comm_, scene_);
-  if (scene_.heat.mode == HeatScene::Mode::Conduction) interfaces_ = heat_interfaces(scene_);
+  if (scene_.heat.mode == HeatScene::Mode::Conduction)
+    interfaces_ = std::make_unique<InterfaceSearch>(
+        heat_interfaces(scene_), rigids_, rigid_heat_, scene_.numerics.kernel, layout_of(scene_.space).dim,
+        scene_.numerics.spacing, scene_.numerics.h_over_dx * scene_.numerics.spacing);
   heat_ledger_.bodies.resize(rigids_.size());
   place_probes();
   rigid_force_.resize(rigids_.size());
@@ -128,8 +131,9 @@ void Simulation::build_contact() {
     pair.soft_scale = contact.soft_scale;
     pair.damping = contact.damping;
     pair.heat_conversion = contact.heat_conversion;
-    for (const HeatInterface& interface : interfaces_)
-      if (interface.rigid == contact.rigid) pair.heat_component = interface.component;
+    if (interfaces_)
+      for (const HeatInterface& interface : interfaces_->interfaces())
+        if (interface.rigid == contact.rigid) pair.heat_component = interface.component;
     const int rigid_material = scene_.rigids[contact.rigid].material;
     for (const Material& material : scene_.materials) {
       double share = contact.heat_share;
@@ -170,9 +174,10 @@ void Simulation::refuse_overlaps() {
 }
 
 void Simulation::refuse_misplaced_meshes() {
+  if (!interfaces_) return;
   comm_.together([&] {
     try {
-      check_meshes_fit(particles_, interfaces_, rigids_, rigid_heat_, scene_.numerics.spacing);
+      interfaces_->check_meshes_fit(particles_, rigids_, rigid_heat_);
     } catch (const InputError& error) {
       throw InputError(scene_.path + " " + error.what());
     }
@@ -285,7 +290,7 @@ void Simulation::start() {
   if (particles_.has(field::heat_input)) std::ranges::fill(particles_[field::heat_input], 0.0);
   for (const FieldInfo* info : {&field::rigid_heat, &field::rigid_impulse})
     if (particles_.has(*info))
-      for (const HeatInterface& interface : interfaces_)
+      for (const HeatInterface& interface : interfaces_->interfaces())
         std::ranges::fill(particles_.component(*info, interface.component), 0.0);
   load_ledger_.body_force = load_ledger_.grips = 0;
   vote();

@@ -181,7 +181,9 @@ std::vector<HeatInterface> heat_interfaces(const Scene& scene) {
   for (std::size_t r = 0; r < scene.rigids.size(); ++r) {
     if (scene.rigids[r].heat.role == RigidHeatScene::Role::Insulated) continue;
     const int component = static_cast<int>(interfaces.size());
-    interfaces.push_back({static_cast<int>(r), scene.rigids[r].heat.bodies, component});
+    const RigidHeatScene& heat = scene.rigids[r].heat;
+    interfaces.push_back(
+        {static_cast<int>(r), heat.bodies, heat.interface == RigidHeatScene::Interface::Hybrid, component});
   }
   return interfaces;
 }

@@ -77,7 +77,7 @@ double power(double h) {
 }
 
 template <class K, int Dim>
-void correction(ParticleSet& particles, const PairList& pairs, double bulk_sum) {
+void correction(ParticleSet& particles, const PairList& pairs, double bulk_sum, std::span<const double> embedded) {
   const auto volume = particles[field::volume];
   const auto h = particles[field::smoothing_length];
   const auto result = particles[field::conduction_correction];
@@ -88,7 +88,7 @@ void correction(ParticleSet& particles, const PairList& pairs, double bulk_sum) 
     const std::size_t last = std::min((c + 1) * cluster_size, particles.owned());
     for (std::size_t i = c * cluster_size; i < last; ++i) {
       const std::size_t n = packed.select(i, K::support);
-      double sum = volume[i] * sigma / power<Dim>(h[i]) * K::value(0.0);
+      double sum = volume[i] * sigma / power<Dim>(h[i]) * K::value(0.0) + (embedded.empty() ? 0.0 : embedded[i]);
       for (std::size_t k = 0; k < n; ++k)
         sum += volume[packed.index[packed.inside[k]]] * sigma / power<Dim>(packed.h[k]) *
                K::value(packed.r[k] / packed.h[k]);
@@ -146,9 +146,10 @@ void dispatch(const Kernel& kernel, int dim, Work&& work) {
 
 }  // namespace
 
-void update_conduction_correction(ParticleSet& particles, const PairList& pairs, const ConductionOperator& op) {
+void update_conduction_correction(ParticleSet& particles, const PairList& pairs, const ConductionOperator& op,
+                                  std::span<const double> embedded) {
   dispatch(op.kernel, particles.layout().dim,
-           [&]<class K, int Dim>() { correction<K, Dim>(particles, pairs, op.bulk_sum); });
+           [&]<class K, int Dim>() { correction<K, Dim>(particles, pairs, op.bulk_sum, embedded); });
 }
 
 void visit_heat_links(const ParticleSet& particles, const PairList& pairs, const ConductionOperator& op,

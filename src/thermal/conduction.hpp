@@ -34,9 +34,10 @@ struct HeatLinks {
   std::span<const double> conductances;
 };
 
-/// Fills field::conduction_correction (s_i) of owned particles. Reads position, volume and smoothing length of halo
-/// copies.
-void update_conduction_correction(ParticleSet& particles, const PairList& pairs, const ConductionOperator& op);
+/// Fills field::conduction_correction (s_i) of owned particles. `embedded`: sum of V W over neighbours that are not in
+/// the particle set, per owned particle, or empty. Reads position, volume and smoothing length of halo copies.
+void update_conduction_correction(ParticleSet& particles, const PairList& pairs, const ConductionOperator& op,
+                                  std::span<const double> embedded = {});
 
 /// Calls `visit` once per owned particle, in order, links to halo copies included, until it returns false. Reads
 /// position, volume, smoothing length, conductivity and correction of halo copies.

@@ -147,7 +147,7 @@ void HeatSolver::Impl::linearise(ParticleSet& particles, std::span<const RigidHe
 void HeatSolver::Impl::link(const ParticleSet& particles, std::span<const InterfacePoint> points,
                             std::span<const RigidHeat> bodies) {
   const auto conductivity = particles[field::conductivity];
-  const auto temperature = particles[field::temperature];
+  const auto temperature = particles[field::temperature], correction = particles[field::conduction_correction];
   links.clear();
   link_nodes.clear();
   std::size_t needed = 0;
@@ -169,7 +169,9 @@ void HeatSolver::Impl::link(const ParticleSet& particles, std::span<const Interf
       for (std::size_t n = begin; n < link_nodes.size(); ++n)
         there += link_nodes[n].weight * nodes->start(link_nodes[n].node);
       const double other = body.mesh ? body.mesh->material().conductivity(there) : k;
-      conductance = k + other > 0 ? point.shape_factor * 2 * k * other / (k + other) : 0.0;
+      // Embedded particles are surrounded on all sides: their correction is 1.
+      const double scale = 0.5 * (correction[point.particle] + 1) / op.lattice_factor;
+      conductance = k + other > 0 ? scale * point.shape_factor * 2 * k * other / (k + other) : 0.0;
     } else if (k > 0 && film > 0 && point.area > 0) {
       const double depth = std::max(point.distance - surface_resistance * settings.spacing, 0.05 * settings.spacing);
       conductance = point.area / ((std::isinf(film) ? 0.0 : 1 / film) + depth / k);
@@ -363,7 +365,11 @@ HeatReport HeatSolver::advance(ParticleSet& particles, const PairList& pairs, co
   const auto matrix_row = particles[field::matrix_row];
   for (std::size_t i = 0; i < owned; ++i)
     matrix_row[i] = static_cast<double>(m.nodes->first_row() + static_cast<std::int64_t>(i));
-  update_conduction_correction(particles, pairs, m.op);
+  std::vector<double> embedded(
+      std::ranges::any_of(points, [](const InterfacePoint& p) { return p.kernel_sum > 0; }) ? owned : 0, 0.0);
+  for (const InterfacePoint& point : points)
+    if (point.kernel_sum > 0) embedded[point.particle] += point.kernel_sum;
+  update_conduction_correction(particles, pairs, m.op, embedded);
   m.right.assign(rows, 0.0);
   m.rise.assign(rows, 0.0);
 

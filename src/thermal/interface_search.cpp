@@ -85,13 +85,41 @@ class FrictionHeat {
   std::span<double> heat_, impulse_;
 };
 
+void add_hybrid_points(const ParticleSet& particles, const HeatInterface& interface, const RigidBody& rigid,
+                       HybridInterface& hybrid, std::vector<InterfacePoint>& points) {
+  const auto body = particles[field::body], volume = particles[field::volume], h = particles[field::smoothing_length];
+  for (std::size_t i = 0; i < particles.owned(); ++i) {
+    if (!interface.bodies[static_cast<std::size_t>(body[i])]) continue;
+    const Vec3 x = particles.vector_at(field::position, i);
+    const double distance = rigid.nearest(x).distance;
+    if (distance >= hybrid.reach()) continue;
+    InterfacePoint point = hybrid.point_at(rigid.pose.to_body(x), volume[i], h[i]);
+    if (!(point.shape_factor > 0)) continue;
+    point.particle = static_cast<std::int32_t>(i);
+    point.body = interface.rigid;
+    point.distance = distance;
+    points.push_back(std::move(point));
+  }
+}
+
 }  // namespace
 
-std::vector<InterfacePoint> take_interface_points(ParticleSet& particles, std::span<const HeatInterface> interfaces,
-                                                  std::span<const RigidBody> rigids, std::span<const RigidHeat> heat,
-                                                  double spacing, double elapsed) {
+InterfaceSearch::InterfaceSearch(std::vector<HeatInterface> interfaces, std::span<const RigidBody> rigids,
+                                 std::span<const RigidHeat> heat, const Kernel& kernel, int dim, double spacing,
+                                 double smoothing_length)
+    : interfaces_(std::move(interfaces)), spacing_(spacing) {
+  for (const HeatInterface& interface : interfaces_)
+    hybrids_.push_back(interface.hybrid ? std::make_unique<HybridInterface>(*heat[interface.rigid].mesh,
+                                                                            *rigids[interface.rigid].shape, kernel, dim,
+                                                                            spacing, smoothing_length)
+                                        : nullptr);
+}
+
+std::vector<InterfacePoint> InterfaceSearch::take_points(ParticleSet& particles, std::span<const RigidBody> rigids,
+                                                         std::span<const RigidHeat> heat, double elapsed) {
   std::vector<InterfacePoint> points;
-  for (const HeatInterface& interface : interfaces) {
+  for (std::size_t k = 0; k < interfaces_.size(); ++k) {
+    const HeatInterface& interface = interfaces_[k];
     const RigidBody& rigid = rigids[interface.rigid];
     const RigidHeat& body = heat[interface.rigid];
     FrictionHeat friction(particles, interface.component, elapsed);
@@ -106,9 +134,13 @@ std::vector<InterfacePoint> take_interface_points(ParticleSet& particles, std::s
       if (body.mesh) point.nodes = nodes_at(*body.mesh, body.mesh->nearest(rigid.pose.to_body(foot.point)));
       points.push_back(std::move(point));
     };
-    const std::vector<SurfaceFoot> feet = feet_on(particles, interface, rigid, contact_reach * spacing);
-    for (const SurfaceFoot& foot : feet)
-      if (std::size_t(foot.particle) < particles.owned()) add(foot, foot.flat_area);
+    if (hybrids_[k]) {
+      add_hybrid_points(particles, interface, rigid, *hybrids_[k], points);
+    } else {
+      for (const SurfaceFoot& foot : feet_on(particles, interface, rigid, contact_reach * spacing_))
+        if (std::size_t(foot.particle) < particles.owned()) add(foot, foot.flat_area);
+    }
+    // What the points did not take: of particles that have left the surface, and of hybrid interfaces.
     friction.for_each_left([&](std::size_t i) {
       const Vec3 x = particles.vector_at(field::position, i);
       const SurfacePoint surface = rigid.nearest(x);
@@ -135,9 +167,9 @@ std::vector<NodeWeight> nodes_around(const HeatMesh& mesh, const Vec3& point) {
   return nodes;
 }
 
-void check_meshes_fit(const ParticleSet& particles, std::span<const HeatInterface> interfaces,
-                      std::span<const RigidBody> rigids, std::span<const RigidHeat> heat, double spacing) {
-  for (const HeatInterface& interface : interfaces) {
+void InterfaceSearch::check_meshes_fit(const ParticleSet& particles, std::span<const RigidBody> rigids,
+                                       std::span<const RigidHeat> heat) const {
+  for (const HeatInterface& interface : interfaces_) {
     const RigidBody& rigid = rigids[interface.rigid];
     if (!heat[interface.rigid].mesh) continue;
     const HeatMesh& mesh = *heat[interface.rigid].mesh;
@@ -153,7 +185,7 @@ void check_meshes_fit(const ParticleSet& particles, std::span<const HeatInterfac
                         rigid.name, static_cast<std::int64_t>(particles[field::id][i]), shown(x),
                         mesh.mesh().element_number(inside.element), mesh.mesh().source));
     }
-    for (const SurfaceFoot& foot : feet_on(particles, interface, rigid, contact_reach * spacing)) {
+    for (const SurfaceFoot& foot : feet_on(particles, interface, rigid, contact_reach * spacing_)) {
       const SurfacePlace place = mesh.nearest(rigid.pose.to_body(foot.point));
       if (place.distance > largest_gap(mesh.mesh(), place))
         throw InputError(fmt::format(
