@@ -228,7 +228,7 @@ TEST(ContactArea, SphereInSphericalShell) {
         }
     const double error = sum(areas_over_ranks(feet, 3)) / (4 * pi * radius * radius * dx * dx) - 1;
     std::printf("sphere in a shell R %g: %+.2f %%\n", radius, 100 * error);
-    EXPECT_LT(std::abs(error), 0.02);
+    EXPECT_LT(std::abs(error), 0.005);  // measured 0.2 %; 0.9 % if the surface were not unrolled
   }
 }
 
