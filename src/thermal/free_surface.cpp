@@ -11,8 +11,8 @@ namespace stirsph {
 namespace {
 
 // Lengths are in spacings of the particle, volume^(1/dim).
-/// Radius of the sphere. Must exceed sqrt(3)/2, where the corners of a lattice cell lie. A right-angled edge would be
-/// exact at 0.91; a larger sphere tolerates more disorder.
+/// Radius of the sphere. Must exceed sqrt(3)/2, where the corners of a lattice cell lie. A larger sphere tolerates more
+/// disorder and loses less at edges (exact at about 1.08), a smaller one is nearer to the surface where that is curved.
 constexpr double radius = 0.95;
 /// Half the width over which the sphere passes from a particle to its neighbour, so that areas change smoothly.
 constexpr double ramp = 0.1;

@@ -347,7 +347,7 @@ TEST(FreeSurface, Disorder) {
 }
 
 TEST(FreeSurface, Cube) {
-  // An edge is exact when the sphere has 0.91 spacings; with 0.95 and normalised on a flat face it is 0.26 short.
+  // Of a particle at an edge the sphere shows 1.74 faces, not 2 (its own geometry).
   for (const int n : {10, 20})
     for (const double jitter : {0.0, 0.1}) {
       const double total = free_total(box(n, n, n, jitter));
