@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <random>
 
@@ -27,6 +28,7 @@ struct Lattice {
   double density = 1;  ///< kg/m3
   double jitter = 0;   ///< each coordinate moves by up to +- jitter * spacing
   int dim = 3;
+  std::function<bool(const Vec3&)> inside;  ///< keeps the particles whose lattice point [m] is inside; all when empty
 };
 
 /// The box [0, count * spacing] filled with particles at the cell centres. `add_fields` adds the fields a test needs
@@ -54,10 +56,15 @@ class LatticeBody {
     particles.resize_owned(static_cast<std::size_t>(last - first));
     const double volume =
         lattice.dim == 2 ? lattice.spacing * lattice.spacing : lattice.spacing * lattice.spacing * lattice.spacing;
+    std::size_t kept = 0;
     for (std::int64_t id = first; id < last; ++id) {
-      const auto i = static_cast<std::size_t>(id - first);
       const std::array<std::int64_t, 3> at{id % count[0], id / count[0] % count[1],
                                            id / (std::int64_t(count[0]) * count[1])};
+      const Vec3 point{(static_cast<double>(at[0]) + 0.5) * lattice.spacing,
+                       (static_cast<double>(at[1]) + 0.5) * lattice.spacing,
+                       lattice.dim == 2 ? 0.0 : (static_cast<double>(at[2]) + 0.5) * lattice.spacing};
+      if (lattice.inside && !lattice.inside(point)) continue;
+      const std::size_t i = kept++;
       std::mt19937_64 random(static_cast<std::uint64_t>(id));  // by id, so that the ranks do not matter
       std::uniform_real_distribution<double> shift(-lattice.jitter, lattice.jitter);
       for (int d = 0; d < lattice.dim; ++d) {
@@ -69,6 +76,7 @@ class LatticeBody {
       particles[field::volume][i] = volume;
       particles[field::smoothing_length][i] = lattice.h_over_dx * lattice.spacing;
     }
+    particles.resize_owned(kept);
     const double reach = lattice.support * lattice.h_over_dx * lattice.spacing * (1 + 1e-9);
     cells =
         std::make_unique<CellTable>(Decomposition(comm).redistribute(particles, domain, reach, comm.size() > 1, {}));
