@@ -227,9 +227,18 @@ void Simulation::absorb_heat_at_once() {
 }
 
 void Simulation::conduct(double dt) {
-  add_heat_sources(dt);
   const std::vector<InterfacePoint> points = interfaces_->take_points(particles_, rigids_, rigid_heat_, dt);
-  last_heat_ = heat_->advance(particles_, neighbourhood_->pairs(), neighbourhood_->halo(), points, rigid_heat_, dt);
+  ParticleFilm film;
+  const bool free_surface = needs_free_surface();
+  std::vector<double> free_area;
+  if (free_surface) {
+    free_area = heat_->free_surface(particles_, neighbourhood_->pairs(), points, rigids_);
+    film.ambient_temperature = scene_.heat.ambient_temperature;
+    for (const double area : free_area) film.conductance.push_back(scene_.heat.ambient_conductance * area);
+  }
+  comm_.together([&] { add_heat_sources(dt, free_area); });  // formulas may have no value at one rank's particles
+  last_heat_ = heat_->advance(particles_, neighbourhood_->pairs(), neighbourhood_->halo(), points, rigid_heat_, dt,
+                              free_surface ? &film : nullptr);
   heat_ledger_.particles += last_heat_.particle_heat;
   heat_ledger_.rigid += last_heat_.rigid_heat;
   heat_ledger_.source += last_heat_.source_heat;
@@ -245,8 +254,13 @@ void Simulation::conduct(double dt) {
   }
 }
 
+bool Simulation::needs_free_surface() const {
+  return scene_.heat.ambient_conductance > 0 ||
+         std::ranges::any_of(scene_.heat.sources, [](const HeatSourceScene& source) { return source.on_surface; });
+}
+
 /// Heat of the scene's own sources over the interval, at the time level of the fluxes.
-void Simulation::add_heat_sources(double dt) {
+void Simulation::add_heat_sources(double dt, const std::vector<double>& free_area) {
   const double level = clock_.time + clock_.dt - (scene_.heat.crank_nicolson ? 0.5 : 0.0) * dt;
   const auto body = particles_[field::body], volume = particles_[field::volume];
   auto input = particles_[field::heat_input];
@@ -254,7 +268,8 @@ void Simulation::add_heat_sources(double dt) {
     for (std::size_t i = 0; i < particles_.owned(); ++i)
       if (source.bodies[static_cast<std::size_t>(body[i])]) {
         const Vec3 x = particles_.vector_at(field::position, i);
-        input[i] += dt * volume[i] * source.value({level, x.x, x.y, x.z});
+        const double amount = source.on_surface ? free_area[i] : volume[i];
+        if (amount > 0) input[i] += dt * amount * source.value({level, x.x, x.y, x.z});
       }
     for (std::size_t r = 0; r < rigids_.size(); ++r)
       if (source.rigids[r]) add_node_source(rigid_heat_[r], level, dt, source.value);

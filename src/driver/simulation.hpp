@@ -120,7 +120,8 @@ class Simulation {
   void advance_heat(double dt);
   void absorb_heat_at_once();
   void conduct(double dt);
-  void add_heat_sources(double dt);
+  void add_heat_sources(double dt, const std::vector<double>& free_area);
+  bool needs_free_surface() const;
   void vote();
   double stable_step() const;
   double surface_speed() const;

@@ -8,6 +8,7 @@
 
 #include "particles/field_names.hpp"
 #include "thermal/conduction.hpp"
+#include "thermal/free_surface.hpp"
 #include "thermal/heat_matrix.hpp"
 #include "thermal/linear_solve.hpp"
 #include "thermal/rigid_nodes.hpp"
@@ -46,6 +47,7 @@ struct HeatSolver::Impl {
     return materials[static_cast<std::size_t>(particles[field::material][i])];
   }
   void check(std::span<const InterfacePoint> points, std::span<const RigidHeat> bodies) const;
+  void correct(ParticleSet& particles, const PairList& pairs, std::span<const InterfacePoint> points);
   void place_nodes(std::span<const RigidHeat> bodies);
   void linearise(ParticleSet& particles, std::span<const RigidHeat> bodies, const std::vector<double>& end);
   void link(const ParticleSet& particles, std::span<const InterfacePoint> points, std::span<const RigidHeat> bodies);
@@ -113,6 +115,31 @@ void HeatSolver::Impl::check(std::span<const InterfacePoint> points, std::span<c
                         "temperature or a heat capacity, or let all friction heat go to the particles",
                         point.body, point.heat));
   });
+}
+
+void HeatSolver::Impl::correct(ParticleSet& particles, const PairList& pairs, std::span<const InterfacePoint> points) {
+  const bool hybrid = std::ranges::any_of(points, [](const InterfacePoint& p) { return p.kernel_sum > 0; });
+  std::vector<double> embedded(hybrid ? particles.owned() : 0, 0.0);
+  if (hybrid)
+    for (const InterfacePoint& point : points) embedded[point.particle] += point.kernel_sum;
+  update_conduction_correction(particles, pairs, op, embedded);
+}
+
+std::vector<double> HeatSolver::free_surface(ParticleSet& particles, const PairList& pairs,
+                                             std::span<const InterfacePoint> points,
+                                             std::span<const RigidBody> rigids) {
+  impl_->correct(particles, pairs, points);
+  const double reach = contact_reach * impl_->settings.spacing;
+  std::vector<SurfaceFoot> feet;
+  for (const RigidBody& rigid : rigids)
+    for (std::size_t i = 0; i < particles.owned(); ++i) {
+      const Vec3 x = particles.vector_at(field::position, i);
+      const SurfacePoint surface = rigid.nearest(x);
+      if (surface.distance < reach)
+        feet.push_back(
+            {static_cast<std::int32_t>(i), x - surface.distance * surface.normal, surface.normal, surface.distance});
+    }
+  return free_surface_areas(particles, pairs, feet);
 }
 
 void HeatSolver::Impl::place_nodes(std::span<const RigidHeat> bodies) {
@@ -365,11 +392,7 @@ HeatReport HeatSolver::advance(ParticleSet& particles, const PairList& pairs, co
   const auto matrix_row = particles[field::matrix_row];
   for (std::size_t i = 0; i < owned; ++i)
     matrix_row[i] = static_cast<double>(m.nodes->first_row() + static_cast<std::int64_t>(i));
-  std::vector<double> embedded(
-      std::ranges::any_of(points, [](const InterfacePoint& p) { return p.kernel_sum > 0; }) ? owned : 0, 0.0);
-  for (const InterfacePoint& point : points)
-    if (point.kernel_sum > 0) embedded[point.particle] += point.kernel_sum;
-  update_conduction_correction(particles, pairs, m.op, embedded);
+  if (!film) m.correct(particles, pairs, points);
   m.right.assign(rows, 0.0);
   m.rise.assign(rows, 0.0);
 

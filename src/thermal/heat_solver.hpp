@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/comm.hpp"
+#include "geometry/rigid_body.hpp"
 #include "materials/thermal_properties.hpp"
 #include "neighbours/pair_list.hpp"
 #include "neighbours/smoothing_kernel.hpp"
@@ -63,10 +64,15 @@ class HeatSolver {
   /// Fields this module needs.
   static void add_fields(ParticleSet& particles);
 
+  /// Free area [m2] of each owned particle at the present positions; rigid bodies shield what lies at their surface.
+  /// Halo copies of position and volume must be current.
+  std::vector<double> free_surface(ParticleSet& particles, const PairList& pairs,
+                                   std::span<const InterfacePoint> points, std::span<const RigidBody> rigids);
+
   /// Advances temperatures by dt [s], consuming `heat_input` of particles, `heat` of the points and `node_input` of the
-  /// bodies. Collective. `film`: of the particles' free surface, or null. The same bodies with the same meshes must be
-  /// given at every call. Halo copies of position and volume must be current; temperature halos are refreshed here.
-  /// Throws SolverError on all ranks when the KSP fails.
+  /// bodies. Collective. `film`: of the particles' free surface, made with free_surface() for the same positions, or
+  /// null. The same bodies with the same meshes must be given at every call. Halo copies of position and volume must be
+  /// current; temperature halos are refreshed here. Throws SolverError on all ranks when the KSP fails.
   HeatReport advance(ParticleSet& particles, const PairList& pairs, const HaloExchange& halo,
                      std::span<const InterfacePoint> points, std::span<RigidHeat> bodies, double dt,
                      const ParticleFilm* film = nullptr);

@@ -8,32 +8,23 @@
 
 #include "base/error.hpp"
 #include "particles/field_names.hpp"
+#include "thermal/contact_area.hpp"
 
 namespace stirsph {
 namespace {
 
-constexpr double contact_reach = 0.75;  ///< spacings from centre to surface: a quarter beyond touching
-
-struct SurfaceFoot {
-  std::int32_t particle;
-  Vec3 point, normal;
-  double distance;   ///< m
-  double flat_area;  ///< m2
-};
-
 /// Feet of owned particles first, then those of halo copies; both in storage order.
 std::vector<SurfaceFoot> feet_on(const ParticleSet& particles, const HeatInterface& interface, const RigidBody& rigid,
-                                 double reach) {
-  const auto body = particles[field::body], volume = particles[field::volume];
-  const double exponent = (particles.layout().dim - 1.0) / particles.layout().dim;
+                                 double spacing) {
+  const auto body = particles[field::body];
   std::vector<SurfaceFoot> feet;
   for (std::size_t i = 0; i < particles.total(); ++i) {
     if (!interface.bodies[static_cast<std::size_t>(body[i])]) continue;
     const Vec3 x = particles.vector_at(field::position, i);
     const SurfacePoint surface = rigid.nearest(x);
-    if (surface.distance >= reach) continue;
-    feet.push_back({static_cast<std::int32_t>(i), x - surface.distance * surface.normal, surface.normal,
-                    surface.distance, std::pow(volume[i], exponent)});
+    if (surface.distance >= contact_reach * spacing) continue;
+    feet.push_back(
+        {static_cast<std::int32_t>(i), x - surface.distance * surface.normal, surface.normal, surface.distance});
   }
   return feet;
 }
@@ -137,15 +128,18 @@ std::vector<InterfacePoint> InterfaceSearch::take_points(ParticleSet& particles,
     if (hybrids_[k]) {
       add_hybrid_points(particles, interface, rigid, *hybrids_[k], points);
     } else {
-      for (const SurfaceFoot& foot : feet_on(particles, interface, rigid, contact_reach * spacing_))
-        if (std::size_t(foot.particle) < particles.owned()) add(foot, foot.flat_area);
+      const std::vector<SurfaceFoot> feet = feet_on(particles, interface, rigid, spacing_);
+      const auto owned = static_cast<std::size_t>(std::ranges::count_if(
+          feet, [&](const SurfaceFoot& foot) { return std::size_t(foot.particle) < particles.owned(); }));
+      const std::vector<double> areas = contact_areas(feet, owned, spacing_, particles.layout().dim);
+      for (std::size_t f = 0; f < owned; ++f)
+        if (areas[f] > 0) add(feet[f], areas[f]);
     }
     // What the points did not take: of particles that have left the surface, and of hybrid interfaces.
     friction.for_each_left([&](std::size_t i) {
       const Vec3 x = particles.vector_at(field::position, i);
       const SurfacePoint surface = rigid.nearest(x);
-      add({static_cast<std::int32_t>(i), x - surface.distance * surface.normal, surface.normal, surface.distance, 0.0},
-          0.0);
+      add({static_cast<std::int32_t>(i), x - surface.distance * surface.normal, surface.normal, surface.distance}, 0.0);
     });
     friction.clear_impulse();
   }
@@ -185,7 +179,7 @@ void InterfaceSearch::check_meshes_fit(const ParticleSet& particles, std::span<c
                         rigid.name, static_cast<std::int64_t>(particles[field::id][i]), shown(x),
                         mesh.mesh().element_number(inside.element), mesh.mesh().source));
     }
-    for (const SurfaceFoot& foot : feet_on(particles, interface, rigid, contact_reach * spacing_)) {
+    for (const SurfaceFoot& foot : feet_on(particles, interface, rigid, spacing_)) {
       const SurfacePlace place = mesh.nearest(rigid.pose.to_body(foot.point));
       if (place.distance > largest_gap(mesh.mesh(), place))
         throw InputError(fmt::format(

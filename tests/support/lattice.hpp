@@ -28,7 +28,7 @@ struct Lattice {
   double density = 1;  ///< kg/m3
   double jitter = 0;   ///< each coordinate moves by up to +- jitter * spacing
   int dim = 3;
-  std::function<bool(const Vec3&)> inside;  ///< keeps the particles whose lattice point [m] is inside; all when empty
+  std::function<bool(const Vec3&)> inside{};  ///< keeps the particles whose lattice point [m] is inside; all when empty
 };
 
 /// The box [0, count * spacing] filled with particles at the cell centres. `add_fields` adds the fields a test needs
