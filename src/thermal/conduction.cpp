@@ -76,58 +76,50 @@ double power(double h) {
   return Dim == 2 ? h * h : h * h * h;
 }
 
+/// Room for all rows, guessed from those so far: doubling would leave up to half of two of the largest arrays of the
+/// program unused.
+void reserve_rows(std::vector<double>& factors, std::vector<std::int32_t>& neighbours, std::size_t needed,
+                  std::size_t row, std::size_t rows) {
+  if (needed <= factors.capacity()) return;
+  const double share = static_cast<double>(rows) / static_cast<double>(row + 1);
+  const auto guess = static_cast<std::size_t>(1.03 * static_cast<double>(needed) * std::min(share, 8.0));
+  factors.reserve(guess);
+  neighbours.reserve(guess);
+}
+
 template <class K, int Dim>
-void correction(ParticleSet& particles, const PairList& pairs, double bulk_sum, std::span<const double> embedded) {
+void collect(ParticleSet& particles, const PairList& pairs, const ConductionOperator& op,
+             std::span<const double> embedded, std::vector<std::size_t>& starts, std::vector<std::int32_t>& neighbours,
+             std::vector<double>& factors) {
   const auto volume = particles[field::volume];
   const auto h = particles[field::smoothing_length];
   const auto result = particles[field::conduction_correction];
   constexpr double sigma = K::normalisation(Dim);
   PackedCandidates<Dim> packed(particles);
+  std::vector<double> other_volume;
   for (std::size_t c = 0; c < pairs.clusters(); ++c) {
     packed.load(pairs.candidates(c));
+    other_volume.resize(packed.index.size());
     const std::size_t last = std::min((c + 1) * cluster_size, particles.owned());
     for (std::size_t i = c * cluster_size; i < last; ++i) {
-      const std::size_t n = packed.select(i, K::support);
+      const std::size_t n = packed.select(i, K::support), first = factors.size();
+      reserve_rows(factors, neighbours, first + n, i, particles.owned());
+      factors.resize(first + n);
+      neighbours.resize(first + n);
+      for (std::size_t k = 0; k < n; ++k) {
+        neighbours[first + k] = packed.index[packed.inside[k]];
+        other_volume[k] = volume[neighbours[first + k]];
+      }
       double sum = volume[i] * sigma / power<Dim>(h[i]) * K::value(0.0) + (embedded.empty() ? 0.0 : embedded[i]);
-      for (std::size_t k = 0; k < n; ++k)
-        sum += volume[packed.index[packed.inside[k]]] * sigma / power<Dim>(packed.h[k]) *
-               K::value(packed.r[k] / packed.h[k]);
-      result[i] = bulk_sum / sum;
-    }
-  }
-}
-
-template <class K, int Dim>
-void links(const ParticleSet& particles, const PairList& pairs, double lattice_factor,
-           const std::function<bool(const HeatLinks&)>& visit) {
-  const auto volume = particles[field::volume];
-  const auto conductivity = particles[field::conductivity];
-  const auto scale = particles[field::conduction_correction];
-  constexpr double sigma = K::normalisation(Dim);
-  PackedCandidates<Dim> packed(particles);
-  std::vector<std::int32_t> neighbours;
-  std::vector<double> conductances, coefficient;
-  for (std::size_t c = 0; c < pairs.clusters(); ++c) {
-    packed.load(pairs.candidates(c));
-    neighbours.resize(packed.index.size());
-    conductances.resize(packed.index.size());
-    coefficient.resize(packed.index.size());
-    const std::size_t last = std::min((c + 1) * cluster_size, particles.owned());
-    for (std::size_t i = c * cluster_size; i < last; ++i) {
-      const std::size_t n = packed.select(i, K::support);
-      const double ki = conductivity[i], si = scale[i], vi = volume[i];
       for (std::size_t k = 0; k < n; ++k) {
-        const std::int32_t j = packed.index[packed.inside[k]];
-        const double kj = conductivity[j];
-        neighbours[k] = j;
-        // vi vj (ki kj) and the sums are the same to the last bit seen from j: the matrix is exactly symmetric.
-        coefficient[k] = ki + kj > 0 ? (vi * volume[j]) * (ki * kj / (ki + kj)) * (si + scale[j]) : 0.0;
+        const double hk = packed.h[k], r = packed.r[k], density = sigma / power<Dim>(hk);
+        sum += other_volume[k] * density * K::value(r / hk);
+        // vi vj and the sums are the same to the last bit seen from j: the matrix is exactly symmetric.
+        factors[first + k] =
+            (volume[i] * other_volume[k]) * (-2 / op.lattice_factor) * density * K::slope(r / hk) / (hk * r);
       }
-      for (std::size_t k = 0; k < n; ++k) {
-        const double h = packed.h[k], r = packed.r[k];
-        conductances[k] = coefficient[k] * (-2 * sigma / lattice_factor) * K::slope(r / h) / (power<Dim>(h) * h * r);
-      }
-      if (!visit({i, {neighbours.data(), n}, {conductances.data(), n}})) return;
+      result[i] = op.bulk_sum / sum;
+      starts.push_back(factors.size());
     }
   }
 }
@@ -146,29 +138,39 @@ void dispatch(const Kernel& kernel, int dim, Work&& work) {
 
 }  // namespace
 
-void update_conduction_correction(ParticleSet& particles, const PairList& pairs, const ConductionOperator& op,
-                                  std::span<const double> embedded) {
-  dispatch(op.kernel, particles.layout().dim,
-           [&]<class K, int Dim>() { correction<K, Dim>(particles, pairs, op.bulk_sum, embedded); });
-}
-
-void visit_heat_links(const ParticleSet& particles, const PairList& pairs, const ConductionOperator& op,
-                      const std::function<bool(const HeatLinks&)>& visit) {
-  dispatch(op.kernel, particles.layout().dim,
-           [&]<class K, int Dim>() { links<K, Dim>(particles, pairs, op.lattice_factor, visit); });
-}
-
-std::vector<double> conduction_power(const ParticleSet& particles, const PairList& pairs,
-                                     const ConductionOperator& op) {
-  std::vector<double> result(particles.owned());
-  const auto temperature = particles[field::temperature];
-  visit_heat_links(particles, pairs, op, [&](const HeatLinks& row) {
-    double sum = 0;
-    for (std::size_t k = 0; k < row.neighbours.size(); ++k)
-      sum += row.conductances[k] * (temperature[row.neighbours[k]] - temperature[row.particle]);
-    result[row.particle] = sum;
-    return true;
+void HeatGraph::build(ParticleSet& particles, const PairList& pairs, const ConductionOperator& op,
+                      std::span<const double> embedded) {
+  starts_.assign(1, 0);
+  starts_.reserve(particles.owned() + 1);
+  neighbours_.clear();
+  factors_.clear();
+  dispatch(op.kernel, particles.layout().dim, [&]<class K, int Dim>() {
+    collect<K, Dim>(particles, pairs, op, embedded, starts_, neighbours_, factors_);
   });
+}
+
+std::size_t HeatGraph::bytes() const {
+  return starts_.capacity() * sizeof(std::size_t) + neighbours_.capacity() * sizeof(std::int32_t) +
+         factors_.capacity() * sizeof(double);
+}
+
+LinkEnds::LinkEnds(const ParticleSet& particles) {
+  const auto conductivity = particles[field::conductivity], correction = particles[field::conduction_correction],
+             temperature = particles[field::temperature];
+  ends_.reserve(particles.total());
+  for (std::size_t i = 0; i < particles.total(); ++i) ends_.push_back({conductivity[i], correction[i], temperature[i]});
+}
+
+std::vector<double> conduction_power(const ParticleSet& particles, const HeatGraph& graph) {
+  const LinkEnds ends(particles);
+  std::vector<double> result(graph.particles());
+  for (std::size_t i = 0; i < graph.particles(); ++i) {
+    const auto neighbours = graph.neighbours(i);
+    const auto factors = graph.factors(i);
+    for (std::size_t k = 0; k < neighbours.size(); ++k)
+      result[i] +=
+          ends.conductance(i, neighbours[k], factors[k]) * (ends.temperature(neighbours[k]) - ends.temperature(i));
+  }
   return result;
 }
 

@@ -9,7 +9,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -27,24 +26,55 @@ struct ConductionOperator {
   double bulk_sum = 1;        ///< S_bulk, the kernel sum inside a lattice; see lattice_kernel_sum
 };
 
-/// The heat links of one owned particle: local indices of its neighbours in rising order and the conductances [W/K].
-struct HeatLinks {
-  std::size_t particle;
-  std::span<const std::int32_t> neighbours;
-  std::span<const double> conductances;
+/// The links of owned particles, in compressed form. Distances are computed once per arrangement of the particles; the
+/// conductances follow from them for any conductivities.
+class HeatGraph {
+ public:
+  /// Finds the links and fills field::conduction_correction (s_i) of owned particles. `embedded`: sum of V W over
+  /// neighbours that are not in the particle set, per owned particle, or empty. Reads position, volume and smoothing
+  /// length of halo copies.
+  void build(ParticleSet& particles, const PairList& pairs, const ConductionOperator& op,
+             std::span<const double> embedded = {});
+
+  std::size_t particles() const { return starts_.empty() ? 0 : starts_.size() - 1; }
+  /// Local indices of the neighbours of an owned particle, rising.
+  std::span<const std::int32_t> neighbours(std::size_t i) const {
+    return {neighbours_.data() + starts_[i], neighbours_.data() + starts_[i + 1]};
+  }
+  /// G_ij / (k_ij s_ij) [m] of these links.
+  std::span<const double> factors(std::size_t i) const {
+    return {factors_.data() + starts_[i], factors_.data() + starts_[i + 1]};
+  }
+  std::size_t bytes() const;
+
+ private:
+  std::vector<std::size_t> starts_;
+  std::vector<std::int32_t> neighbours_;
+  std::vector<double> factors_;
 };
 
-/// Fills field::conduction_correction (s_i) of owned particles. `embedded`: sum of V W over neighbours that are not in
-/// the particle set, per owned particle, or empty. Reads position, volume and smoothing length of halo copies.
-void update_conduction_correction(ParticleSet& particles, const PairList& pairs, const ConductionOperator& op,
-                                  std::span<const double> embedded = {});
+/// What a link needs of its two particles, packed so that a neighbour costs one cache line.
+class LinkEnds {
+ public:
+  /// Reads conductivity, correction and temperature, halo copies included.
+  explicit LinkEnds(const ParticleSet& particles);
 
-/// Calls `visit` once per owned particle, in order, links to halo copies included, until it returns false. Reads
-/// position, volume, smoothing length, conductivity and correction of halo copies.
-void visit_heat_links(const ParticleSet& particles, const PairList& pairs, const ConductionOperator& op,
-                      const std::function<bool(const HeatLinks&)>& visit);
+  /// The conductance [W/K] of a link. The same to the last bit seen from either end.
+  double conductance(std::size_t i, std::size_t j, double factor) const {
+    const End &a = ends_[i], &b = ends_[j];
+    const double sum = a.conductivity + b.conductivity;
+    return sum > 0 ? factor * (a.conductivity * b.conductivity / sum) * (a.correction + b.correction) : 0.0;
+  }
+  double temperature(std::size_t i) const { return ends_[i].temperature; }
+
+ private:
+  struct End {
+    double conductivity, correction, temperature;
+  };
+  std::vector<End> ends_;
+};
 
 /// Heat [W] that conduction brings to each owned particle at the present temperatures, halo copies up to date.
-std::vector<double> conduction_power(const ParticleSet& particles, const PairList& pairs, const ConductionOperator& op);
+std::vector<double> conduction_power(const ParticleSet& particles, const HeatGraph& graph);
 
 }  // namespace stirsph

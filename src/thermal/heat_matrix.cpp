@@ -44,23 +44,44 @@ void HeatMatrixWriter::sort_and_merge(std::vector<Entry>& entries) {
   if (!entries.empty()) entries.resize(kept + 1);
 }
 
-void HeatMatrixWriter::store(HeatMatrix::Block& block, std::vector<Entry>& entries) {
-  sort_and_merge(entries);
+void HeatMatrixWriter::make_room(HeatMatrix::Block& block, std::size_t added) const {
+  const std::size_t needed = block.columns.size() + added;
+  if (needed > std::size_t(std::numeric_limits<int>::max()))
+    throw Error(ExitCode::Input, "the heat matrix of one rank has more than 2^31 entries: use more ranks");
+  if (needed <= block.columns.capacity()) return;
+  // Sized from the rows so far: doubling would leave up to half of the largest arrays of the program unused.
+  const double share = static_cast<double>(rows_) / static_cast<double>(row_ + 1);
+  const std::size_t guess = static_cast<std::size_t>(1.03 * static_cast<double>(needed) * std::min(share, 8.0));
+  block.columns.reserve(guess);
+  block.values.reserve(guess);
+}
+
+void HeatMatrixWriter::add_own_row(std::span<const int> columns, std::span<const double> values) {
+  if (!fits_) return;
+  HeatMatrix::Block &own = matrix_.own, &far = matrix_.far;
   if (fresh_) {
-    const std::size_t needed = block.columns.size() + entries.size();
-    if (needed > block.columns.capacity()) {
-      // Sized from the rows so far: doubling would leave up to half of the largest arrays of the program unused.
-      const double share = static_cast<double>(rows_) / static_cast<double>(row_ + 1);
-      const std::size_t guess = static_cast<std::size_t>(1.03 * static_cast<double>(needed) * std::min(share, 8.0));
-      block.columns.reserve(guess);
-      block.values.reserve(guess);
-    }
+    make_room(own, columns.size());
+    own.columns.insert(own.columns.end(), columns.begin(), columns.end());
+    own.values.insert(own.values.end(), values.begin(), values.end());
+    own.starts.push_back(static_cast<int>(own.columns.size()));
+    far.starts.push_back(static_cast<int>(far.columns.size()));
+  } else {
+    const auto first = own.starts[row_];
+    fits_ = far.starts[row_] == far.starts[row_ + 1] &&
+            own.starts[row_ + 1] - first == static_cast<int>(columns.size()) &&
+            std::equal(columns.begin(), columns.end(), own.columns.begin() + first);
+    if (fits_) std::copy(values.begin(), values.end(), own.values.begin() + first);
+  }
+  row_ += 1;
+}
+
+void HeatMatrixWriter::store(HeatMatrix::Block& block, const std::vector<Entry>& entries) {
+  if (fresh_) {
+    make_room(block, entries.size());
     for (const Entry& entry : entries) {
       block.columns.push_back(static_cast<int>(entry.column));
       block.values.push_back(entry.value);
     }
-    if (block.columns.size() > std::size_t(std::numeric_limits<int>::max()))
-      throw Error(ExitCode::Input, "the heat matrix of one rank has more than 2^31 entries: use more ranks");
     block.starts.push_back(static_cast<int>(block.columns.size()));
     return;
   }
@@ -77,6 +98,8 @@ void HeatMatrixWriter::store(HeatMatrix::Block& block, std::vector<Entry>& entri
 
 void HeatMatrixWriter::end_row() {
   if (!fits_) return;
+  sort_and_merge(own_);
+  sort_and_merge(far_);
   store(matrix_.own, own_);
   if (fits_) store(matrix_.far, far_);
   row_ += 1;

@@ -28,6 +28,9 @@ class HeatMatrixWriter {
 
   bool fits() const { return fits_; }
 
+  /// A whole row within this rank: columns rising, the diagonal among them.
+  void add_own_row(std::span<const int> columns, std::span<const double> values);
+
   void begin_row() { own_.clear(), far_.clear(); }
   /// Entries may come in any order and several times per column; the cheap way is rising columns.
   void add_local(std::int64_t column, double value) { own_.push_back({column, value}); }
@@ -45,7 +48,8 @@ class HeatMatrixWriter {
     double value;
   };
   static void sort_and_merge(std::vector<Entry>& entries);
-  void store(HeatMatrix::Block& block, std::vector<Entry>& entries);
+  void store(HeatMatrix::Block& block, const std::vector<Entry>& entries);
+  void make_room(HeatMatrix::Block& block, std::size_t added) const;
 
   HeatMatrix& matrix_;
   std::int64_t first_row_;

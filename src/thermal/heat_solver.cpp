@@ -51,7 +51,7 @@ struct HeatSolver::Impl {
   void place_nodes(std::span<const RigidHeat> bodies);
   void linearise(ParticleSet& particles, std::span<const RigidHeat> bodies, const std::vector<double>& end);
   void link(const ParticleSet& particles, std::span<const InterfacePoint> points, std::span<const RigidHeat> bodies);
-  bool fill(const ParticleSet& particles, const PairList& pairs, const ParticleFilm* film, double dt, bool fresh);
+  bool fill(const ParticleSet& particles, const ParticleFilm* film, double dt, bool fresh);
   void assemble(const ParticleSet& particles, const PairList& pairs, const ParticleFilm* film, double dt);
   LinearSolve::Outcome solve();
   double update_end(const ParticleSet& particles, std::span<const RigidHeat> bodies, std::vector<double>& end);
@@ -69,6 +69,7 @@ struct HeatSolver::Impl {
   bool linear = true;         ///< no property depends on temperature
   LinearSolve linear_solve;
   std::unique_ptr<RigidNodes> nodes;
+  HeatGraph graph;
   HeatMatrix matrix;
   std::uint64_t pattern_version = 0;  ///< of the pair list the pattern was made with
   std::vector<double> capacity;       ///< J/K of each particle, m times the linearised specific heat
@@ -94,7 +95,7 @@ void HeatSolver::add_fields(ParticleSet& particles) {
 
 std::size_t HeatSolver::bytes() const {
   const Impl& m = *impl_;
-  return m.matrix.bytes() + (m.nodes ? m.nodes->bytes() : 0) +
+  return m.matrix.bytes() + m.graph.bytes() + (m.nodes ? m.nodes->bytes() : 0) +
          (m.capacity.capacity() + m.right.capacity() + m.rise.capacity() + m.heat.capacity()) * sizeof(double) +
          m.links.capacity() * sizeof(RigidLink) + m.link_nodes.capacity() * sizeof(NodeWeight);
 }
@@ -122,7 +123,7 @@ void HeatSolver::Impl::correct(ParticleSet& particles, const PairList& pairs, st
   std::vector<double> embedded(hybrid ? particles.owned() : 0, 0.0);
   if (hybrid)
     for (const InterfacePoint& point : points) embedded[point.particle] += point.kernel_sum;
-  update_conduction_correction(particles, pairs, op, embedded);
+  graph.build(particles, pairs, op, embedded);
 }
 
 std::vector<double> HeatSolver::free_surface(ParticleSet& particles, const PairList& pairs,
@@ -222,56 +223,63 @@ void HeatSolver::Impl::link(const ParticleSet& particles, std::span<const Interf
 ///   (C + theta dt K) d = q - dt K T,
 /// with K the graph Laplacian of all heat links. Solving for the rise makes the tolerance relative to the heat that
 /// moves. Returns false when the present pattern does not fit.
-bool HeatSolver::Impl::fill(const ParticleSet& particles, const PairList& pairs, const ParticleFilm* film, double dt,
-                            bool fresh) {
-  const auto temperature = particles[field::temperature];
+bool HeatSolver::Impl::fill(const ParticleSet& particles, const ParticleFilm* film, double dt, bool fresh) {
   const auto heat_input = particles[field::heat_input];
   const auto matrix_row = particles[field::matrix_row];
-  const auto owned = static_cast<std::int32_t>(particles.owned());
+  const auto owned = static_cast<int>(particles.owned());
   const double weight = implicit_share * dt;
   HeatMatrixWriter writer(matrix, nodes->first_row(), particles.owned() + nodes->owned(), fresh);
 
-  visit_heat_links(particles, pairs, op, [&](const HeatLinks& row) {
-    const auto i = static_cast<std::int32_t>(row.particle);
-    writer.begin_row();
+  const LinkEnds ends(particles);
+  std::vector<int> columns;
+  std::vector<double> values;
+  for (std::size_t i = 0; i < particles.owned() && writer.fits(); ++i) {
+    const auto neighbours = graph.neighbours(i);
+    const auto factors = graph.factors(i);
+    const std::size_t before = static_cast<std::size_t>(
+        std::lower_bound(neighbours.begin(), neighbours.end(), static_cast<std::int32_t>(i)) - neighbours.begin());
+    columns.resize(neighbours.size() + 1);  // the diagonal stands at its place among the neighbours
+    values.resize(neighbours.size() + 1);
     double sum = 0, power = 0;
-    for (std::size_t k = 0; k < row.neighbours.size(); ++k) {
-      const double g = row.conductances[k];
+    for (std::size_t k = 0; k < neighbours.size(); ++k) {
+      const double g = ends.conductance(i, neighbours[k], factors[k]);
       sum += g;
-      power += g * (temperature[row.neighbours[k]] - temperature[i]);
+      power += g * (ends.temperature(neighbours[k]) - ends.temperature(i));
+      const std::size_t at = k < before ? k : k + 1;
+      columns[at] = neighbours[k];
+      values[at] = -weight * g;
     }
-    for (const RigidLink& l : links_of(i)) {
+    const auto paths = links_of(i);
+    for (const RigidLink& l : paths) {
       sum += l.conductance;
       for (const NodeWeight& node : l.nodes)
-        power += l.conductance * node.weight * (nodes->start(node.node) - temperature[i]);
+        power += l.conductance * node.weight * (nodes->start(node.node) - ends.temperature(i));
     }
     if (film) {
       sum += film->conductance[i];
-      power += film->conductance[i] * (film->ambient_temperature - temperature[i]);
+      power += film->conductance[i] * (film->ambient_temperature - ends.temperature(i));
     }
     right[i] = heat_input[i] + dt * power;
-    const double diagonal = capacity[i] + weight * sum;
-    bool placed = false;
-    for (std::size_t k = 0; k < row.neighbours.size(); ++k) {
-      const std::int32_t j = row.neighbours[k];
-      if (j > i && !placed) {
-        writer.add_local(i, diagonal);
-        placed = true;
-      }
-      if (j < owned)
-        writer.add_local(j, -weight * row.conductances[k]);
-      else
-        writer.add_global(static_cast<std::int64_t>(matrix_row[j]), -weight * row.conductances[k]);
+    columns[before] = static_cast<int>(i);
+    values[before] = capacity[i] + weight * sum;
+    // Halo copies stand behind the owned particles: a row whose last neighbour is owned has no other rank in it.
+    if (paths.empty() && columns.back() < owned) {
+      writer.add_own_row(columns, values);
+      continue;
     }
-    if (!placed) writer.add_local(i, diagonal);
-    for (const RigidLink& l : links_of(i))
+    writer.begin_row();
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      if (columns[k] < owned)
+        writer.add_local(columns[k], values[k]);
+      else
+        writer.add_global(static_cast<std::int64_t>(matrix_row[columns[k]]), values[k]);
+    for (const RigidLink& l : paths)
       if (l.conductance > 0)
         for (const NodeWeight& node : l.nodes)
           if (!nodes->fixed(node.node))
             writer.add_global(nodes->row(node.node), -weight * (l.conductance * node.weight));
     writer.end_row();
-    return writer.fits();
-  });
+  }
   if (writer.fits()) nodes->fill(writer, std::span(right).subspan(particles.owned()), dt, implicit_share);
   return writer.fits();
 }
@@ -281,11 +289,11 @@ void HeatSolver::Impl::assemble(const ParticleSet& particles, const PairList& pa
   // The pattern holds the neighbours within the support only, half of the candidates. It is tried again while the list
   // lives, since a fixed arrangement or a nonlinear iteration keeps it; columns are compared, so a list under which the
   // particles have moved on is noticed.
-  const bool fits = matrix.rows() > 0 && pattern_version == pairs.version() && fill(particles, pairs, film, dt, false);
+  const bool fits = matrix.rows() > 0 && pattern_version == pairs.version() && fill(particles, film, dt, false);
   pattern_version = pairs.version();
   if (comm.any(!fits)) {
     linear_solve.release_matrix();
-    fill(particles, pairs, film, dt, true);
+    fill(particles, film, dt, true);
   }
   linear_solve.use_matrix(matrix);
 }

@@ -298,7 +298,7 @@ double free_total(const Lattice& lattice, const Walls& walls = {},
                   const std::function<void(const Vec3&, double)>& of = {}) {
   LatticeBody body(Comm(), lattice, HeatSolver::add_fields);
   const ConductionOperator op{CubicSpline{}, 1, lattice_kernel_sum(CubicSpline{}, lattice.dim, lattice.h_over_dx)};
-  update_conduction_correction(body.particles, body.pairs, op);
+  HeatGraph().build(body.particles, body.pairs, op);
   std::vector<SurfaceFoot> feet;
   for (std::size_t i = 0; walls && i < body.particles.owned(); ++i)
     walls(static_cast<std::int32_t>(i), body.particles.vector_at(field::position, i), feet);
@@ -417,8 +417,7 @@ TEST(FreeSurface, BilletInBoreOnPlate) {
 /// Areas by particle id.
 std::vector<double> free_areas_by_id(const Comm& comm, const Lattice& lattice) {
   LatticeBody body(comm, lattice, HeatSolver::add_fields);
-  update_conduction_correction(body.particles, body.pairs,
-                               {CubicSpline{}, 1, lattice_kernel_sum(CubicSpline{}, 3, 1.3)});
+  HeatGraph().build(body.particles, body.pairs, {CubicSpline{}, 1, lattice_kernel_sum(CubicSpline{}, 3, 1.3)});
   const auto areas = free_surface_areas(body.particles, body.pairs, {});
   std::vector<double> result(lattice.count[0] * lattice.count[1] * lattice.count[2], 0.0);
   for (std::size_t i = 0; i < areas.size(); ++i)
