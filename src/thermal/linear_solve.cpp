@@ -113,6 +113,12 @@ void LinearSolve::use_matrix(HeatMatrix& matrix) {
     }
     STIRSPH_PETSC(MatAssemblyBegin(m.matrix, MAT_FINAL_ASSEMBLY));
     STIRSPH_PETSC(MatAssemblyEnd(m.matrix, MAT_FINAL_ASSEMBLY));
+    // PETSc 3.18 cannot renew the coarse levels of GAMG when their sizes change with the values.
+    PC pc = nullptr;
+    PetscBool multigrid = PETSC_FALSE;
+    STIRSPH_PETSC(KSPGetPC(m.ksp, &pc));
+    STIRSPH_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCGAMG, &multigrid));
+    if (multigrid) STIRSPH_PETSC(PCReset(pc));
     return;
   }
   const auto rows = static_cast<PetscInt>(matrix.rows());
