@@ -93,6 +93,30 @@ void add_hybrid_points(const ParticleSet& particles, const HeatInterface& interf
   }
 }
 
+/// Adds a point for each part of the square that the particle covers on the surface, so many that a part is no larger
+/// than the facets there. Heat that entered a finer mesh at the foot alone would meet the resistance of a point, which
+/// no refinement of the mesh removes.
+void add_parts_of_footprint(const InterfacePoint& whole, const SurfaceFoot& foot, const HeatMesh& mesh,
+                            const RigidPose& pose, int dim, std::vector<InterfacePoint>& points) {
+  constexpr double most_parts = 4;  // per direction; the resistance left is that of a mesh as fine as a quarter spacing
+  const double side = dim == 3 ? std::sqrt(whole.area) : whole.area;
+  const SurfacePlace middle = mesh.nearest(pose.to_body(foot.point));
+  const int parts =
+      static_cast<int>(std::clamp(std::ceil(side / longest_edge(mesh.mesh(), middle.facet)), 1.0, most_parts));
+  const Vec3 axis = std::abs(foot.normal.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
+  const Vec3 along = normalised(cross(foot.normal, axis)), across = cross(foot.normal, along);
+  const auto offset = [&](int k) { return ((k + 0.5) / parts - 0.5) * side; };
+  const int count = dim == 3 ? parts * parts : parts;
+  for (int k = 0; k < count; ++k) {
+    InterfacePoint part = whole;
+    part.area /= count;
+    part.heat /= count;
+    const Vec3 place = foot.point + offset(k % parts) * along + (dim == 3 ? offset(k / parts) : 0.0) * across;
+    part.nodes = nodes_at(mesh, parts == 1 ? middle : mesh.nearest(pose.to_body(place)));
+    points.push_back(std::move(part));
+  }
+}
+
 }  // namespace
 
 InterfaceSearch::InterfaceSearch(std::vector<HeatInterface> interfaces, std::span<const RigidBody> rigids,
@@ -122,8 +146,10 @@ std::vector<InterfacePoint> InterfaceSearch::take_points(ParticleSet& particles,
       point.area = area;
       point.pressure = friction.pressure(foot.particle, area);
       point.heat = friction.take(foot.particle);
-      if (body.mesh) point.nodes = nodes_at(*body.mesh, body.mesh->nearest(rigid.pose.to_body(foot.point)));
-      points.push_back(std::move(point));
+      if (body.mesh)
+        add_parts_of_footprint(point, foot, *body.mesh, rigid.pose, particles.layout().dim, points);
+      else
+        points.push_back(std::move(point));
     };
     if (hybrids_[k]) {
       add_hybrid_points(particles, interface, rigid, *hybrids_[k], points);
