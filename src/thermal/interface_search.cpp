@@ -13,15 +13,21 @@
 namespace stirsph {
 namespace {
 
+/// Rigid bodies are in the periodic box once: what lies outside it meets them where its image inside does.
+Vec3 into_box(const Domain& domain, Vec3 x) {
+  for (int d = 0; d < domain.dim; ++d) x[d] = domain.wrap(x[d], d);
+  return x;
+}
+
 /// Feet of owned particles first, then those of halo copies; both in storage order.
 std::vector<SurfaceFoot> feet_on(const ParticleSet& particles, const HeatInterface& interface, const RigidBody& rigid,
-                                 double spacing) {
+                                 const Domain& domain, double spacing) {
   const auto body = particles[field::body];
   std::vector<SurfaceFoot> feet;
   for (std::size_t i = 0; i < particles.total(); ++i) {
     if (!interface.bodies[static_cast<std::size_t>(body[i])]) continue;
     const Vec3 x = particles.vector_at(field::position, i);
-    const SurfacePoint surface = rigid.nearest(x);
+    const SurfacePoint surface = rigid.nearest(into_box(domain, x));
     if (surface.distance >= contact_reach * spacing) continue;
     feet.push_back(
         {static_cast<std::int32_t>(i), x - surface.distance * surface.normal, surface.normal, surface.distance});
@@ -96,22 +102,22 @@ void add_hybrid_points(const ParticleSet& particles, const HeatInterface& interf
 /// Adds a point for each part of the square that the particle covers on the surface, so many that a part is no larger
 /// than the facets there. Heat that entered a finer mesh at the foot alone would meet the resistance of a point, which
 /// no refinement of the mesh removes.
-void add_parts_of_footprint(const InterfacePoint& whole, const SurfaceFoot& foot, const HeatMesh& mesh,
+void add_parts_of_footprint(const InterfacePoint& whole, const Vec3& foot, const Vec3& normal, const HeatMesh& mesh,
                             const RigidPose& pose, int dim, std::vector<InterfacePoint>& points) {
   constexpr double most_parts = 4;  // per direction; the resistance left is that of a mesh as fine as a quarter spacing
   const double side = dim == 3 ? std::sqrt(whole.area) : whole.area;
-  const SurfacePlace middle = mesh.nearest(pose.to_body(foot.point));
+  const SurfacePlace middle = mesh.nearest(pose.to_body(foot));
   const int parts =
       static_cast<int>(std::clamp(std::ceil(side / longest_edge(mesh.mesh(), middle.facet)), 1.0, most_parts));
-  const Vec3 axis = std::abs(foot.normal.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
-  const Vec3 along = normalised(cross(foot.normal, axis)), across = cross(foot.normal, along);
+  const Vec3 axis = std::abs(normal.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
+  const Vec3 along = normalised(cross(normal, axis)), across = cross(normal, along);
   const auto offset = [&](int k) { return ((k + 0.5) / parts - 0.5) * side; };
   const int count = dim == 3 ? parts * parts : parts;
   for (int k = 0; k < count; ++k) {
     InterfacePoint part = whole;
     part.area /= count;
     part.heat /= count;
-    const Vec3 place = foot.point + offset(k % parts) * along + (dim == 3 ? offset(k / parts) : 0.0) * across;
+    const Vec3 place = foot + offset(k % parts) * along + (dim == 3 ? offset(k / parts) : 0.0) * across;
     part.nodes = nodes_at(mesh, parts == 1 ? middle : mesh.nearest(pose.to_body(place)));
     points.push_back(std::move(part));
   }
@@ -120,13 +126,13 @@ void add_parts_of_footprint(const InterfacePoint& whole, const SurfaceFoot& foot
 }  // namespace
 
 InterfaceSearch::InterfaceSearch(std::vector<HeatInterface> interfaces, std::span<const RigidBody> rigids,
-                                 std::span<const RigidHeat> heat, const Kernel& kernel, int dim, double spacing,
-                                 double smoothing_length)
-    : interfaces_(std::move(interfaces)), spacing_(spacing) {
+                                 std::span<const RigidHeat> heat, const Domain& domain, const Kernel& kernel,
+                                 double spacing, double smoothing_length)
+    : interfaces_(std::move(interfaces)), domain_(domain), spacing_(spacing) {
   for (const HeatInterface& interface : interfaces_)
     hybrids_.push_back(interface.hybrid ? std::make_unique<HybridInterface>(*heat[interface.rigid].mesh,
-                                                                            *rigids[interface.rigid].shape, kernel, dim,
-                                                                            spacing, smoothing_length)
+                                                                            *rigids[interface.rigid].shape, kernel,
+                                                                            domain.dim, spacing, smoothing_length)
                                         : nullptr);
 }
 
@@ -147,14 +153,15 @@ std::vector<InterfacePoint> InterfaceSearch::take_points(ParticleSet& particles,
       point.pressure = friction.pressure(foot.particle, area);
       point.heat = friction.take(foot.particle);
       if (body.mesh)
-        add_parts_of_footprint(point, foot, *body.mesh, rigid.pose, particles.layout().dim, points);
+        add_parts_of_footprint(point, into_box(domain_, foot.point), foot.normal, *body.mesh, rigid.pose, domain_.dim,
+                               points);
       else
         points.push_back(std::move(point));
     };
     if (hybrids_[k]) {
       add_hybrid_points(particles, interface, rigid, *hybrids_[k], points);
     } else {
-      const std::vector<SurfaceFoot> feet = feet_on(particles, interface, rigid, spacing_);
+      const std::vector<SurfaceFoot> feet = feet_on(particles, interface, rigid, domain_, spacing_);
       const auto owned = static_cast<std::size_t>(std::ranges::count_if(
           feet, [&](const SurfaceFoot& foot) { return std::size_t(foot.particle) < particles.owned(); }));
       const std::vector<double> areas = contact_areas(feet, owned, spacing_, particles.layout().dim);
@@ -163,7 +170,7 @@ std::vector<InterfacePoint> InterfaceSearch::take_points(ParticleSet& particles,
     }
     // What the points did not take: of particles that have left the surface, and of hybrid interfaces.
     friction.for_each_left([&](std::size_t i) {
-      const Vec3 x = particles.vector_at(field::position, i);
+      const Vec3 x = into_box(domain_, particles.vector_at(field::position, i));
       const SurfacePoint surface = rigid.nearest(x);
       add({static_cast<std::int32_t>(i), x - surface.distance * surface.normal, surface.normal, surface.distance}, 0.0);
     });
@@ -205,8 +212,8 @@ void InterfaceSearch::check_meshes_fit(const ParticleSet& particles, std::span<c
                         rigid.name, static_cast<std::int64_t>(particles[field::id][i]), shown(x),
                         mesh.mesh().element_number(inside.element), mesh.mesh().source));
     }
-    for (const SurfaceFoot& foot : feet_on(particles, interface, rigid, spacing_)) {
-      const SurfacePlace place = mesh.nearest(rigid.pose.to_body(foot.point));
+    for (const SurfaceFoot& foot : feet_on(particles, interface, rigid, domain_, spacing_)) {
+      const SurfacePlace place = mesh.nearest(rigid.pose.to_body(into_box(domain_, foot.point)));
       if (place.distance > largest_gap(mesh.mesh(), place))
         throw InputError(fmt::format(
             "rigid \"{}\": the shape touches a particle at {}, but the nearest facet of {} (of element {}) is {:.4g} "

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geometry/rigid_body.hpp"
+#include "parallel/domain.hpp"
 #include "particles/particle_set.hpp"
 #include "thermal/hybrid_interface.hpp"
 #include "thermal/interface_point.hpp"
@@ -26,7 +27,7 @@ class InterfaceSearch {
  public:
   /// `rigids` and `heat` as given to take_points. `smoothing_length` [m] of the undisturbed lattice.
   InterfaceSearch(std::vector<HeatInterface> interfaces, std::span<const RigidBody> rigids,
-                  std::span<const RigidHeat> heat, const Kernel& kernel, int dim, double spacing,
+                  std::span<const RigidHeat> heat, const Domain& domain, const Kernel& kernel, double spacing,
                   double smoothing_length);
 
   /// The points of owned particles, interface by interface, in storage order. Reads position, volume and body of halo
@@ -45,6 +46,7 @@ class InterfaceSearch {
  private:
   std::vector<HeatInterface> interfaces_;
   std::vector<std::unique_ptr<HybridInterface>> hybrids_;  ///< per interface; null for a film
+  Domain domain_;
   double spacing_;
 };
 
