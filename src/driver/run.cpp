@@ -246,6 +246,10 @@ void Run::print_header() const {
   log::info(fmt::format("scene: {} ({}), space {}, {} ranks", scene.path, scene.title, keyword_of(scene.space),
                         comm_.size()));
   log::info(fmt::format("bodies: {}", bodies));
+  for (std::size_t r = 0; r < scene.rigids.size(); ++r)
+    if (const RigidHeat& heat = simulation_.rigid_heat()[r]; heat.mesh)
+      log::info(fmt::format("{}: mesh of {} elements, {} nodes, {:.4g} J/K", scene.rigids[r].name,
+                            heat.mesh->mesh().elements.size(), heat.mesh->nodes(), heat.heat_capacity));
   if (scene.mechanics)
     log::info(fmt::format(
         "dt {:.4g} s from {}; wave speed {:.4g} m/s (density scale {:.4g}, elastic scale {:.4g}); {:.0f} B per "

@@ -83,6 +83,12 @@ void Simulation::step() {
   vote();
 }
 
+void Simulation::solve_heat_now() {
+  if (scene_.heat.mode != HeatScene::Mode::Conduction) return;
+  conduct(std::max(time_since_heat_, clock_.dt));
+  time_since_heat_ = 0;
+}
+
 bool Simulation::finished() const {
   // The last step is cut to end on time; what is left is round-off.
   return clock_.time >= scene_.time.end * (1 - 1e-12) ||

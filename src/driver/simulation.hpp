@@ -62,6 +62,8 @@ class Simulation {
   /// One time step. Collective; a failure on any rank is thrown on all, with the state of the last finished phase
   /// intact.
   void step();
+  /// A heat solve out of turn, over the time since the last one; for measurements. Collective.
+  void solve_heat_now();
   bool finished() const;
 
   /// State that is not a particle field, for the checkpoint.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/log.hpp"
 #include "geometry/mesh_check.hpp"
 #include "geometry/mesh_file.hpp"
 #include "geometry/mesh_shape.hpp"
@@ -26,13 +25,7 @@ SimplexMesh make_mesh(const Scene& scene, const RigidScene& rigid) {
   options.sizes.growth = wanted.growth;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b)
     if (rigid.heat.bodies[b]) options.sizes.refine_at.push_back(scene.bodies[b].shape);
-  const ShapeMesh made = mesh_shape(rigid.shape, options);
-  log::info(
-      fmt::format("mesh of {}: {} nodes, {} elements, worst quality {:.2f}, facets within {:.2g} mm of the surface, "
-                  "{:.1f} s",
-                  rigid.name, made.mesh.nodes.size(), made.mesh.elements.size(), made.worst_quality,
-                  1e3 * made.surface_gap, made.meshing_seconds));
-  return made.mesh;
+  return mesh_shape(rigid.shape, options).mesh;
 }
 
 /// Everything of a mesh that the heat solve reads, from the root to all.
