@@ -177,7 +177,7 @@ void Simulation::refuse_misplaced_meshes() {
   if (!interfaces_) return;
   comm_.together([&] {
     try {
-      interfaces_->check_meshes_fit(particles_, rigids_, rigid_heat_);
+      interfaces_->check_fit(particles_, rigids_, rigid_heat_);
     } catch (const InputError& error) {
       throw InputError(scene_.path + " " + error.what());
     }

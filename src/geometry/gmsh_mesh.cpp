@@ -421,6 +421,41 @@ double size_at(const MeshSizes& sizes, const Vec3& point) {
   return std::min(sizes.far, sizes.near + sizes.growth * std::max(distance, 0.0));
 }
 
+/// About how many elements the sizes ask for within a cell [m]: its volume over that of regular elements. Cells are
+/// halved where the size changes much within one.
+double expected_elements(const ShapeFunction& shape, const ShapeMeshOptions& options, const Bounds& cell,
+                         int depth = 0) {
+  const int dim = options.dimensions;
+  const Vec3 middle = 0.5 * (cell.low + cell.high);
+  const double radius = 0.5 * norm(cell.high - cell.low), size = size_at(options.sizes, middle);
+  const double outside = shape.distance(middle);
+  if (outside > radius) return 0;
+  if (depth < 3 || (depth < 6 && options.sizes.growth * radius > 0.5 * size)) {
+    double sum = 0;
+    for (int corner = 0; corner < (dim == 3 ? 8 : 4); ++corner) {
+      Bounds part = cell;
+      for (int i = 0; i < dim; ++i) (corner >> i & 1 ? part.low[i] : part.high[i]) = middle[i];
+      sum += expected_elements(shape, options, part, depth + 1);
+    }
+    return sum;
+  }
+  double elements = outside < 0 ? (dim == 3 ? 6 * std::numbers::sqrt2 : 4 / std::numbers::sqrt3) : 0;
+  for (int i = 0; i < dim; ++i) elements *= (cell.high[i] - cell.low[i]) / size;
+  return elements;
+}
+
+/// Lengths in a wrong unit would keep the mesher busy until the memory is full.
+void check_count(const ShapeFunction& shape, const ShapeMeshOptions& options) {
+  constexpr double most = 2e7;
+  const Bounds region = region_of(shape, options);
+  const double count = expected_elements(shape, options, {mm * region.low, mm * region.high});
+  if (count > most)
+    throw InputError(
+        fmt::format("{}: edges of {:.4g} to {:.4g} mm would make about {:.1e} elements. Allowed: {:.0e}. "
+                    "Enlarge near, far or growth",
+                    shape.describe(), per_m * options.sizes.near, per_m * options.sizes.far, count, most));
+}
+
 /// Gmsh's fast mesher (HXT) puts points where the layout of memory leads it, even on one thread; its older one always
 /// gives the same mesh.
 void generate(int dim, bool fast) {
@@ -510,6 +545,7 @@ ShapeMesh mesh_shape(const ShapePointer& shape, const ShapeMeshOptions& options)
   const double start = wall_seconds();
   return in_gmsh<InputError>(shape->describe(), [&](const Model&) {
     const int dim = options.dimensions;
+    check_count(*shape, options);
     const Entities solid = solid_of(*shape, options);
     if (solid.empty()) throw InputError(shape->describe() + ": nothing of it is left to mesh");
     occ::synchronize();

@@ -27,7 +27,9 @@ std::string named(const SimplexMesh& mesh, std::int32_t element) {
 
 void check_indices(const SimplexMesh& mesh) {
   if (mesh.elements.empty() || mesh.nodes.empty())
-    refuse(mesh, fmt::format("the mesh is empty: it holds no {}", mesh.dim == 2 ? "triangles" : "tetrahedra"));
+    refuse(mesh, fmt::format("the mesh is empty: it holds no {}. A surface alone is not enough: mesh the solid, in "
+                             "Gmsh with gmsh -{}",
+                             mesh.dim == 2 ? "triangles" : "tetrahedra", mesh.dim));
   const auto count = static_cast<std::int32_t>(mesh.nodes.size());
   for (std::size_t e = 0; e < mesh.elements.size(); ++e)
     for (int i = 0; i < mesh.corners(); ++i)
@@ -64,15 +66,19 @@ void check_elements(const SimplexMesh& mesh, const MeshLimits& limits) {
   if (bad == 0) return;
   const std::string others = bad > 1 ? fmt::format("; {} more elements are below the limit", bad - 1) : "";
   if (lowest <= 0)
-    refuse(mesh, fmt::format("{} is inverted or flat: volume {:.3g} m{}, quality {:.3g}{}", named(mesh, worst),
-                             element_volume(mesh, worst), mesh.dim, lowest, others));
-  refuse(mesh, fmt::format("{} is a needle or sliver: quality {:.3g}, allowed from {:.3g} (1 is regular){}",
+    refuse(mesh,
+           fmt::format(
+               "{} is inverted or flat: volume {:.3g} m{}, quality {:.3g}, allowed from {:.3g}{}. Mesh it again",
+               named(mesh, worst), element_volume(mesh, worst), mesh.dim, lowest, limits.smallest_quality, others));
+  refuse(mesh, fmt::format("{} is a needle or sliver: quality {:.3g}, allowed from {:.3g} (1 is regular){}. Mesh it "
+                           "again, finer or with the mesher's optimisation on",
                            named(mesh, worst), lowest, limits.smallest_quality, others));
 }
 
 void check_double_nodes(const SimplexMesh& mesh) {
   const Bounds bounds = mesh_bounds(mesh);
-  const double together = 1e-9 * norm(bounds.high - bounds.low);
+  // Files written with seven digits round the same place differently; no good element is that small.
+  const double together = 1e-6 * norm(bounds.high - bounds.low);
   // Sorted along a direction in which no mesh is aligned: then only nodes really close are neighbours.
   const Vec3 direction = normalised(Vec3{1, 0.6180339887, 0.4142135624});
   std::vector<double> place(mesh.nodes.size());

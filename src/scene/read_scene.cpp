@@ -192,19 +192,23 @@ MotionScene read_motion(const Parameters& p) {
   return motion;
 }
 
-MeshScene read_mesh(const Parameters& heat, const RigidScene& rigid) {
+MeshScene read_mesh(const Parameters& heat, const RigidScene& rigid, int dim) {
   MeshScene mesh;
   if (!heat.has("mesh"))
     heat.fail("role", "a mesh needs mesh = { near = \"1 mm\", far = \"5 mm\" } or mesh = { file = \"die.msh\" }.");
   const Parameters m = heat.table("mesh");
   if (m.has("file")) {
     if (m.has("near") || m.has("far")) m.fail("file", "give either a file or near and far, not both.");
+    if (m.has("cut_low") || m.has("cut_high"))
+      m.fail("file", "a mesh file is not cut: leave cut_low and cut_high out.");
     mesh.file = m.file("file");
     mesh.scale = m.real("scale");
     if (m.has("body")) mesh.body = m.text("body");
     return mesh;
   }
-  if (!m.has("near")) m.fail("near", "give the edge length at the billet, or the file of a mesh.");
+  if (m.has("body")) m.fail("body", "names a physical volume of a mesh file: give file, or leave body out.");
+  if (!m.has("near"))
+    m.fail("near", "give the edge length at the billet, such as \"1 mm\", or the file of a mesh, file = \"die.msh\".");
   mesh.near = m.real("near");
   mesh.far = m.has("far") ? m.real("far") : mesh.near;
   mesh.growth = m.real("growth");
@@ -212,9 +216,10 @@ MeshScene read_mesh(const Parameters& heat, const RigidScene& rigid) {
   if (m.has("cut_low") != m.has("cut_high")) m.fail("cut_low", "cut_low and cut_high go together.");
   if (m.has("cut_low")) mesh.cut = Bounds{m.vector("cut_low"), m.vector("cut_high")};
   const Bounds bounds = rigid.shape->bounds();
-  for (int d = 0; d < 2; ++d)
+  for (int d = 0; d < dim; ++d)
     if (!mesh.cut && !(std::isfinite(bounds.low[d]) && std::isfinite(bounds.high[d])))
-      m.fail("near", "the shape is endless: give cut_low and cut_high, or a shape with an end.");
+      m.fail("near", std::string("the shape is endless along ") + "xyz"[d] +
+                         ": give cut_low and cut_high, the corners of the box to mesh, or a shape with an end.");
   return mesh;
 }
 
@@ -258,6 +263,8 @@ RigidHeatScene read_rigid_heat(const Parameters& heat, const Scene& scene, const
   result.temperature = heat.expression("temperature");
   if (result.role != Role::Mesh && !result.temperature.is_constant())
     heat.fail("temperature", "a formula of place needs role = \"mesh\"; give a temperature such as \"600 K\".");
+  if (result.temperature.is_constant() && !(result.temperature({0, 0, 0}) > 0))
+    heat.fail("temperature", "Allowed: > 0 K.");
   result.conductance =
       result.interface == Interface::Film ? heat.real("conductance") : std::numeric_limits<double>::infinity();
   result.pressure_conductance = heat.real("pressure_conductance");
@@ -279,7 +286,11 @@ RigidHeatScene read_rigid_heat(const Parameters& heat, const Scene& scene, const
   if (result.role == Role::Mesh) {
     if (rigid.material < 0 || !scene.materials[rigid.material].has_thermal)
       heat.fail("role", "a meshed body needs a material with a [thermal] table in its data file.");
-    result.mesh = read_mesh(heat, rigid);
+    if (result.heat_capacity > 0 || result.ambient_conductance > 0)
+      heat.fail(result.heat_capacity > 0 ? "heat_capacity" : "ambient_conductance",
+                "belongs to role = \"lumped\". A mesh has the heat capacity of its material and loses heat through "
+                "[[rigid.heat.surface]].");
+    result.mesh = read_mesh(heat, rigid, layout_of(scene.space).dim);
     result.surfaces = read_surfaces(heat);
   } else if (heat.has("mesh") || !heat.tables("surface").empty()) {
     heat.fail("role", "mesh and surface need role = \"mesh\".");
@@ -392,6 +403,8 @@ void read_sets_and_probes(const Parameters& root, Scene& scene) {
         probe.rigid = index_of(p, "rigid", p.text("rigid"), scene.rigids);
         if (scene.rigids[probe.rigid].heat.role == RigidHeatScene::Role::Insulated)
           p.fail("rigid", "this body takes no part in the heat balance and has no temperature: give it a heat.role.");
+        if (root.table("heat").text("mode") != "conduction")
+          p.fail("rigid", "the temperature of a rigid body needs heat.mode = \"conduction\".");
       }
     }
     if (probe.kind == ProbeScene::Kind::ExtrudedLength) {
@@ -413,6 +426,8 @@ void read_heat_and_output(const Parameters& root, Scene& scene) {
   scene.heat.nonlinear_iterations = static_cast<int>(heat.integer("nonlinear_iterations"));
   scene.heat.crank_nicolson = heat.text("scheme") == "crank_nicolson";
   if (heat.has("ambient")) {
+    if (scene.heat.mode != HeatScene::Mode::Conduction)
+      heat.fail("ambient", "a film to the surroundings needs heat.mode = \"conduction\".");
     scene.heat.ambient_conductance = heat.table("ambient").real("conductance");
     scene.heat.ambient_temperature = heat.table("ambient").real("temperature");
   }

@@ -13,10 +13,35 @@
 namespace stirsph {
 namespace {
 
+std::string in_mm(const Vec3& x) { return fmt::format("({:.5g}, {:.5g}, {:.5g})", 1e3 * x.x, 1e3 * x.y, 1e3 * x.z); }
+
+double longest_side(const Bounds& bounds, int dim) {
+  double longest = 0;
+  for (int d = 0; d < dim; ++d) longest = std::max(longest, bounds.high[d] - bounds.low[d]);
+  return longest;
+}
+
+/// A file in other units than `scale` says: a mesh may hold more or less than the shape that particles touch, but not a
+/// hundred times as much.
+void check_scale(const SimplexMesh& mesh, const ShapeFunction& shape) {
+  constexpr double most = 20;  // an inch taken for a millimetre is 25
+  const double in_mesh = longest_side(mesh_bounds(mesh), mesh.dim), in_shape = longest_side(shape.bounds(), mesh.dim);
+  if (!std::isfinite(in_shape) || (in_mesh <= most * in_shape && in_shape <= most * in_mesh)) return;
+  throw InputError(fmt::format(
+      "{}: the mesh is {:.4g} m long, the shape of the body {:.4g} m. Allowed: a ratio between 1/{} and {}. mesh.scale "
+      "turns the file's lengths into m: scale = 1e-3 for a file in mm, 1 for one in m",
+      mesh.source, in_mesh, in_shape, most, most));
+}
+
 SimplexMesh make_mesh(const Scene& scene, const RigidScene& rigid) {
   const MeshScene& wanted = rigid.heat.mesh;
   const int dim = layout_of(scene.space).dim;
-  if (!wanted.file.empty()) return read_mesh_file(wanted.file, {dim, wanted.scale, wanted.body});
+  if (!wanted.file.empty()) {
+    SimplexMesh mesh = read_mesh_file(wanted.file, {dim, wanted.scale, wanted.body});
+    check_mesh(mesh);
+    check_scale(mesh, *rigid.shape);
+    return mesh;
+  }
   ShapeMeshOptions options;
   options.dimensions = dim;
   options.cut = wanted.cut;
@@ -25,7 +50,9 @@ SimplexMesh make_mesh(const Scene& scene, const RigidScene& rigid) {
   options.sizes.growth = wanted.growth;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b)
     if (rigid.heat.bodies[b]) options.sizes.refine_at.push_back(scene.bodies[b].shape);
-  return mesh_shape(rigid.shape, options).mesh;
+  SimplexMesh mesh = mesh_shape(rigid.shape, options).mesh;
+  check_mesh(mesh);
+  return mesh;
 }
 
 /// Everything of a mesh that the heat solve reads, from the root to all.
@@ -79,22 +106,33 @@ void broadcast_mesh(const Comm& comm, SimplexMesh& mesh) {
   }
 }
 
-RigidHeat meshed(const Comm& comm, const Scene& scene, const RigidScene& rigid) {
-  SimplexMesh mesh;
-  comm.together([&] {
-    if (!comm.is_root()) return;
-    mesh = make_mesh(scene, rigid);
-    check_mesh(mesh);
-  });
-  broadcast_mesh(comm, mesh);
+/// Those the heat solve keeps. The facets of a flux are looked for as well: a mistake must not wait for the first step.
+std::vector<SurfaceCondition> surface_conditions(const SimplexMesh& mesh, const std::vector<SurfaceScene>& surfaces) {
   std::vector<SurfaceCondition> conditions;
-  for (const SurfaceScene& surface : rigid.heat.surfaces) {
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    const SurfaceScene& surface = surfaces[k];
+    std::vector<std::int32_t> facets;
+    try {
+      facets = chosen_facets(mesh, surface);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("surface[{}]: {}", k, error.what()));
+    }
     if (surface.kind == SurfaceScene::Kind::Flux) continue;
     conditions.push_back({surface.kind == SurfaceScene::Kind::FixedTemperature
                               ? SurfaceCondition::Kind::FixedTemperature
                               : SurfaceCondition::Kind::Film,
-                          chosen_facets(mesh, surface), surface.temperature, surface.conductance});
+                          std::move(facets), surface.temperature, surface.conductance});
   }
+  return conditions;
+}
+
+RigidHeat meshed(const Comm& comm, const Scene& scene, const RigidScene& rigid) {
+  SimplexMesh mesh;
+  comm.together([&] {
+    if (comm.is_root()) mesh = make_mesh(scene, rigid);
+  });
+  broadcast_mesh(comm, mesh);
+  const std::vector<SurfaceCondition> conditions = surface_conditions(mesh, rigid.heat.surfaces);
   const Material& material = scene.materials[rigid.material];
   RigidHeat heat;
   heat.mesh = std::make_shared<const HeatMesh>(std::move(mesh), material.thermal, material.density, conditions);
@@ -123,7 +161,9 @@ std::vector<std::int32_t> chosen_facets(const SimplexMesh& mesh, const SurfaceSc
     std::vector<std::string> known;
     for (const SurfaceGroup& group : mesh.groups) known.push_back(group.name);
     throw InputError(fmt::format("{} has no surface group \"{}\". Known: {}.{}", mesh.source, surface.group,
-                                 known.empty() ? "none" : input::joined(known),
+                                 known.empty()
+                                     ? "none: name physical surfaces of the body in the mesher, or give a region"
+                                     : input::joined(known),
                                  input::did_you_mean(surface.group, known)));
   }
   std::vector<std::int32_t> facets;
@@ -131,8 +171,10 @@ std::vector<std::int32_t> chosen_facets(const SimplexMesh& mesh, const SurfaceSc
     if (surface.region->distance(facet_centroid(mesh, static_cast<std::int32_t>(f))) <= 0)
       facets.push_back(static_cast<std::int32_t>(f));
   if (facets.empty())
-    throw InputError(fmt::format("no facet of {} has its centroid inside the region of a surface condition: {}",
-                                 mesh.source, surface.region->describe()));
+    throw InputError(fmt::format(
+        "no facet of {} has its centroid inside the region, {}. The surface lies between {} and {} mm: move "
+        "the region, or let it reach a little beyond the surface",
+        mesh.source, surface.region->describe(), in_mm(mesh_bounds(mesh).low), in_mm(mesh_bounds(mesh).high)));
   return facets;
 }
 

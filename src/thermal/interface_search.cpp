@@ -184,8 +184,10 @@ std::vector<NodeWeight> nodes_around(const HeatMesh& mesh, const Vec3& point) {
   if (inside.element < 0) {
     const SurfacePlace place = mesh.nearest(point);
     if (place.distance > largest_gap(mesh.mesh(), place))
-      throw InputError(fmt::format("{} lies outside the mesh, {:.4g} mm from its nearest surface point {}",
-                                   shown(point), 1e3 * place.distance, shown(place.point)));
+      throw InputError(
+          fmt::format("{} lies outside {}, {:.4g} mm from its nearest surface point {}. Give a place inside, where it "
+                      "is at the start",
+                      shown(point), mesh.mesh().source, 1e3 * place.distance, shown(place.point)));
     return nodes_at(mesh, place);
   }
   std::vector<NodeWeight> nodes;
@@ -194,10 +196,27 @@ std::vector<NodeWeight> nodes_around(const HeatMesh& mesh, const Vec3& point) {
   return nodes;
 }
 
-void InterfaceSearch::check_meshes_fit(const ParticleSet& particles, std::span<const RigidBody> rigids,
-                                       std::span<const RigidHeat> heat) const {
+/// Also without contact, where nothing else notices it.
+void InterfaceSearch::check_overlap(const ParticleSet& particles, const HeatInterface& interface,
+                                    const RigidBody& rigid) const {
+  const double allowed = 0.1 * spacing_;  // as of contact
+  const auto body = particles[field::body];
+  for (std::size_t i = 0; i < particles.owned(); ++i) {
+    const Vec3 x = particles.vector_at(field::position, i);
+    const double depth = -rigid.nearest(x).distance;
+    if (!interface.bodies[static_cast<std::size_t>(body[i])] || depth <= allowed) continue;
+    throw InputError(fmt::format(
+        "rigid \"{}\": it overlaps a deformable body at the start: the centre of particle {} at {} lies {:.4g} mm deep "
+        "inside, allowed are {:.4g} mm. Move or shrink one of them",
+        rigid.name, static_cast<std::int64_t>(particles[field::id][i]), shown(x), 1e3 * depth, 1e3 * allowed));
+  }
+}
+
+void InterfaceSearch::check_fit(const ParticleSet& particles, std::span<const RigidBody> rigids,
+                                std::span<const RigidHeat> heat) const {
   for (const HeatInterface& interface : interfaces_) {
     const RigidBody& rigid = rigids[interface.rigid];
+    check_overlap(particles, interface, rigid);
     if (!heat[interface.rigid].mesh) continue;
     const HeatMesh& mesh = *heat[interface.rigid].mesh;
     const ElementSearch elements(mesh.mesh());

@@ -37,13 +37,16 @@ class InterfaceSearch {
   std::vector<InterfacePoint> take_points(ParticleSet& particles, std::span<const RigidBody> rigids,
                                           std::span<const RigidHeat> heat, double elapsed);
 
-  /// Throws InputError when a particle sits inside a mesh, or touches a shape where the mesh has no surface.
-  void check_meshes_fit(const ParticleSet& particles, std::span<const RigidBody> rigids,
-                        std::span<const RigidHeat> heat) const;
+  /// Throws InputError when a particle sits inside a body or its mesh, or touches a shape where the mesh has no
+  /// surface.
+  void check_fit(const ParticleSet& particles, std::span<const RigidBody> rigids,
+                 std::span<const RigidHeat> heat) const;
 
   const std::vector<HeatInterface>& interfaces() const { return interfaces_; }
 
  private:
+  void check_overlap(const ParticleSet& particles, const HeatInterface& interface, const RigidBody& rigid) const;
+
   std::vector<HeatInterface> interfaces_;
   std::vector<std::unique_ptr<HybridInterface>> hybrids_;  ///< per interface; null for a film
   Domain domain_;

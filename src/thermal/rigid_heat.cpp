@@ -36,9 +36,11 @@ HeatMesh::HeatMesh(SimplexMesh mesh, ThermalProperties material, double density,
       for (int c = 0; c < mesh_.dim; ++c) {
         const std::int32_t node = mesh_.surface[facet][c];
         if (fixed_[node] && fixed_temperature_[node] != condition.temperature)
-          throw InputError(fmt::format("{}: node {} lies on two surfaces of fixed temperature, {} K and {} K",
-                                       mesh_.source, mesh_.node_number(node), fixed_temperature_[node],
-                                       condition.temperature));
+          throw InputError(fmt::format(
+              "{}: node {} at ({:.5g}, {:.5g}, {:.5g}) mm lies on two surfaces of fixed temperature, {} K and {} K. "
+              "Allowed: one. Give both the same temperature, or leave facets without condition between them",
+              mesh_.source, mesh_.node_number(node), 1e3 * mesh_.nodes[node].x, 1e3 * mesh_.nodes[node].y,
+              1e3 * mesh_.nodes[node].z, fixed_temperature_[node], condition.temperature));
         fixed_[node] = true;
         fixed_temperature_[node] = condition.temperature;
       }

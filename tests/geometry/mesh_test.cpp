@@ -253,6 +253,15 @@ TEST(ShapeMesh, RefusesWhatItCannotMesh) {
   const Bounds above{{-0.1, -0.1, 0.1}, {0.1, 0.1, 0.2}};
   expect_says(message([&] { meshed(plate, 0.02, 3, above); }), {"nothing of it"});
   expect_says(message([&] { meshed(plate, 0); }), {"0 < near <= far"});
+  // Micrometres for millimetres must not end in a full memory; what is asked for is told from what it would make.
+  ShapeMeshOptions options;
+  options.sizes = {.near = 1e-6, .far = 4e-3, .growth = 0.3, .refine_at = {make_cylinder(origin, z_axis, 0.01, 0.02)}};
+  expect_says(message([&] { mesh_shape(make_annulus(origin, z_axis, 0.01, 0.03, 0.02), options); }),
+              {"edges of 0.001 to 4 mm", "elements. Allowed: 2e+07", "Enlarge near"});
+  expect_says(message([&] { meshed(make_annulus(origin, z_axis, 0.01, 0.03, 0.02), 2e-5); }), {"Enlarge near"});
+  options.dimensions = 2;
+  options.sizes = {.near = 1e-7, .far = 1e-6};
+  expect_says(message([&] { mesh_shape(make_annulus(origin, z_axis, 0.01, 0.03, {}), options); }), {"Enlarge near"});
 }
 
 TEST(Surface, GroupsByPlaceAndNormal) {
@@ -483,6 +492,8 @@ TEST(MeshCheck, RefusesEachFaultByName) {
   split.elements.push_back({4, 5, 6, 7});
   extract_surface(split);
   expect_says(message([&] { check_mesh(split); }), {"nodes 4 and 8", "(0, 0, 0.01) m", "no heat would flow"});
+  for (std::size_t n = 4; n < split.nodes.size(); ++n) split.nodes[n] += Vec3{1e-9, -2e-9, 1e-9};  // seven digits
+  expect_says(message([&] { check_mesh(split); }), {"are both at", "no heat would flow"});
 
   SimplexMesh overlap = unit_tetrahedron();
   overlap.nodes.push_back({0.02, 0.02, 0.02});

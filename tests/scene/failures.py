@@ -164,6 +164,63 @@ velocity = { y = "sqrt(1e-5-t)" }
                 'set.0.region.high=["60 mm", "1 mm", "1 mm"]').expect(INPUT, 'set "tip"', "no particle")
 
 
+def plate_mesh(path, nodes_shift=(0, 0, 0), swap=False):
+    """A plate under the block of the hot spot in mm: six tetrahedra around the diagonal of a box, text of version 2."""
+    corners = [(10 * x, 6 * y, 4 * z - 4) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    nodes = [" ".join([str(n + 1), *(str(c + s) for c, s in zip(corner, nodes_shift))]) for n, corner in enumerate(corners)]
+    elements = []
+    for step in ((1, 2, 4), (2, 4, 1), (4, 1, 2), (2, 1, 4), (1, 4, 2), (4, 2, 1)):  # a way along x, y and z each
+        a, b = 1 + step[0], 1 + step[0] + step[1]
+        even = step in ((1, 2, 4), (2, 4, 1), (4, 1, 2))
+        elements.append((1, a, b, 8) if even else (1, b, a, 8))
+    if swap:
+        elements[2] = (elements[2][1], elements[2][0], *elements[2][2:])
+    lines = [f"{10 + e} 4 2 1 1 {' '.join(map(str, nodes))}" for e, nodes in enumerate(elements)]
+    path.write_text("\n".join(["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", "8", *nodes, "$EndNodes", "$Elements",
+                              "6", *lines, "$EndElements", ""]), encoding="utf-8")
+
+
+def case_bad_mesh(stirsph):
+    folder = stirsph.folder("bad_mesh")
+    plate_mesh(stirsph.scratch / "plate.msh")
+    plate_mesh(stirsph.scratch / "inverted.msh", swap=True)
+    plate_mesh(stirsph.scratch / "overlapping.msh", nodes_shift=(0, 0, 1))
+    text = (stirsph.scratch / "plate.msh").read_text(encoding="utf-8")
+    (stirsph.scratch / "torn.msh").write_text(text[:text.index("13 4 2")], encoding="utf-8")
+    scene = stirsph.scratch / "on_plate.toml"
+    scene.write_text(HOT_SPOT.read_text(encoding="utf-8").replace("../../../inputs", str(SCENES.parents[2] / "inputs")) + """
+[[rigid]]
+name = "plate"
+material = "AL"
+shape = { type = "box", low = ["0 mm", "0 mm", "-4 mm"], high = ["10 mm", "6 mm", "0 mm"] }
+[rigid.heat]
+role = "mesh"
+interface = "perfect"
+mesh = { file = "plate.msh", scale = 1e-3 }
+[[rigid.heat.surface]]
+region = { type = "box", low = ["-1 mm", "-1 mm", "-5 mm"], high = ["11 mm", "7 mm", "-2.9 mm"] }
+flux = "1e5 W/m2"
+[[heat_source]]
+on = ["plate"]
+density = "1e6 W/m3"
+""", encoding="utf-8")
+    mesh = "rigid.0.heat.mesh.file="
+    stirsph.run(scene, "-o", folder).expect(FINISHED)
+    stirsph.run("check", scene).expect(FINISHED, "mesh of 6 elements, 8 nodes")
+    stirsph.run(scene, "-o", folder, "-P", mesh + "nowhere.msh").expect(INPUT, "rigid[0].heat.mesh.file", "no such file")
+    stirsph.run(scene, "-o", folder, "-P", mesh + "inverted.msh").expect(
+        INPUT, 'rigid "plate" heat', "inverted.msh: element 12 (nodes 5, 1, ", "inverted or flat")
+    stirsph.run(scene, "-o", folder, "-P", mesh + "overlapping.msh").expect(INPUT, 'rigid "plate"', "overlaps", "inside element")
+    stirsph.run(scene, "-o", folder, "-P", mesh + "torn.msh").expect(INPUT, "torn.msh", "Gmsh says")
+    stirsph.run(scene, "-o", folder, "-P", "rigid.0.heat.mesh.scale=1").expect(INPUT, "plate.msh", "10 m long", "scale = 1e-3")
+    stirsph.run(scene, "-o", folder, "-P", 'rigid.0.heat.surface.0.region.high=["11 mm", "7 mm", "-4.5 mm"]').expect(
+        INPUT, 'rigid "plate" heat: surface[0]', "no facet")
+    # Formulas that lose their value during the run.
+    for key in ("heat_source.0.density", "rigid.0.heat.surface.0.flux"):
+        stirsph.run(scene, "-o", folder, "-P", f"{key}=sqrt(0.1-t)").expect(INPUT, "step ", "sqrt(0.1-t)", "at t = ")
+        check((folder / "failed_state.h5").exists(), "the state was not saved")
+
+
 def case_penetration(stirsph):
     folder = stirsph.folder("penetration")
     stirsph.run(BAR, "-o", folder, "-P", "limits.penetration=1e-3").expect(BLOW_UP, "penetrated", "limits.penetration")

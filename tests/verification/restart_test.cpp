@@ -57,7 +57,7 @@ TEST_P(RestartOf, IsBitwiseOnTheSameRanksG3) {
   expect_identical(*straight, resumed);
 }
 
-INSTANTIATE_TEST_SUITE_P(G3, RestartOf, ::testing::Values("mini_tube", "spinning_block"));
+INSTANTIATE_TEST_SUITE_P(G3, RestartOf, ::testing::Values("mini_tube", "meshed_tube", "spinning_block"));
 
 /// The next step renews the pair list, and so must that of the continued run.
 TEST(Restart, WhenTheListHasJustExpiredG3) {
@@ -95,6 +95,45 @@ TEST(RestartOnOtherRanks, AgreesByIdG3) {
       worst = std::max({worst, std::abs(x[i] - expected_x[i]) / 0.01, std::abs(v[i] - expected_v[i]) / 30});
     std::printf("G3, restart on another rank count: largest relative difference %.1e\n", worst);
     EXPECT_LT(worst, 1e-11);  // round-off of 60 steps; the catalogue allows 1e-10 after 1000
+  }
+  world.barrier();
+}
+
+/// Meshes are made anew and shared out otherwise; temperatures of their nodes, heat on its way and ledgers go on.
+TEST(RestartOnOtherRanks, KeepsTheHeatOfMeshesG3) {
+  const Comm world;
+  const std::string path = scratch(world, "meshes.h5");
+  const auto straight = started(verification_scene("meshed_tube"));
+  advance(*straight, half_way);
+  write_checkpoint(world, path, straight->particles(), straight->named_state());
+  advance(*straight, all);
+  const auto expected = gathered(*straight, field::temperature);
+  const Diagnostics expected_row = diagnose(*straight);
+  if (world.is_root()) {
+    Simulation alone(Comm(MPI_COMM_SELF), read_scene(verification_scene("meshed_tube")));
+    alone.resume(path);
+    advance(alone, all);
+    const auto temperature = gathered(alone, field::temperature);
+    double worst = 0;  // K
+    for (std::size_t i = 0; i < temperature.size(); ++i)
+      worst = std::max(worst, std::abs(temperature[i] - expected[i]));
+    for (std::size_t r = 0; r < alone.rigids().size(); ++r) {
+      const RigidHeat &mine = alone.rigid_heat()[r], &theirs = straight->rigid_heat()[r];
+      ASSERT_EQ(mine.node_temperature.size(), theirs.node_temperature.size());
+      for (std::size_t n = 0; n < mine.node_temperature.size(); ++n)
+        worst = std::max(worst, std::abs(mine.node_temperature[n] - theirs.node_temperature[n]));
+      const BodyHeat &got = alone.heat_ledger().bodies[r], &wanted = straight->heat_ledger().bodies[r];
+      EXPECT_NEAR(got.interface, wanted.interface, 1e-8 * std::abs(wanted.interface));
+      EXPECT_NEAR(got.surface, wanted.surface, 1e-8 * std::abs(wanted.surface));
+      EXPECT_NEAR(got.friction, wanted.friction, 1e-8 * std::abs(wanted.friction));
+    }
+    EXPECT_GT(straight->heat_ledger().bodies[0].friction, 0) << "the tool rubs";
+    EXPECT_LT(std::abs(alone.heat_ledger().residual()), 1e-12);
+    const Diagnostics row = diagnose(alone);
+    ASSERT_EQ(row.probes.size(), expected_row.probes.size());
+    for (std::size_t p = 0; p < row.probes.size(); ++p) EXPECT_NEAR(row.probes[p], expected_row.probes[p], 1e-9);
+    std::printf("G3, meshes after a restart on another rank count: largest difference %.1e K\n", worst);
+    EXPECT_LT(worst, 1e-9);  // round-off of 60 steps and the tolerance of the heat solve, 1e-10 of rises below 10 K
   }
   world.barrier();
 }
