@@ -137,9 +137,11 @@ TEST(HalfSpacesSliding, SameAnswerE2) {
     errors[k] = compare(*simulation, HalfSpaces{1e4}, area, 1);
     report(k == 0 ? "E2, disc at rest" : "E2, disc turning, 1.7 m/s at the rim", errors[k]);
     EXPECT_LT(errors[k].worst(), 0.01);
+    EXPECT_NEAR(simulation->rigids()[0].pose.angle, k * 1.7 / 4.3702e-3, 1e-6);  // after 1 s
   }
   // At rest the staircase of the particles at the rim leaves parts of the mesh uncovered, which turning evens out.
   EXPECT_LT(std::abs(errors[1].passed - errors[0].passed), 0.01);
+  EXPECT_GT(std::abs(errors[1].passed - errors[0].passed), 1e-5);  // so the heat did go to other nodes
 }
 
 /// E3: what a thermometer would show at the places of the catalogue.
