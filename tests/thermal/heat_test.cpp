@@ -2,6 +2,7 @@
 /// time (E8).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -315,6 +316,36 @@ TEST(TimeScheme, HugeEulerStepDoesNotOvershoot) {
     EXPECT_LT(std::abs(rise), 0.2);               // 100/1001 left
     EXPECT_GT(rise * std::cos(k * x[i]), -1e-4);  // nowhere past the mean
   }
+}
+
+/// E9: what conducts is symmetric and, with the capacities, positive definite: bit by bit between particles, to
+/// rounding between nodes, where links of particles join three of them at a time.
+TEST(HeatMatrixE9, LinksOfParticlesAreSymmetricToTheLastBit) {
+  Lattice lattice;
+  lattice.count = {7, 6, 5};
+  lattice.jitter = 0.2;
+  LatticeBody body(Comm(MPI_COMM_SELF), lattice, HeatSolver::add_fields);
+  for (std::size_t i = 0; i < body.particles.owned(); ++i) {
+    body.particles[field::conductivity][i] = 1 + 0.1 * static_cast<double>(i % 7);
+    body.particles[field::smoothing_length][i] *= 1 - 0.01 * static_cast<double>(i % 3);
+  }
+  const ConductionOperator op{CubicSpline{}, 1, 1};
+  HeatGraph graph;
+  graph.build(body.particles, body.pairs, op);
+  const LinkEnds ends(body.particles);
+  std::size_t links = 0;
+  for (std::size_t i = 0; i < graph.particles(); ++i)
+    for (std::size_t k = 0; k < graph.neighbours(i).size(); ++k) {
+      const auto j = static_cast<std::size_t>(graph.neighbours(i)[k]);
+      const auto back = graph.neighbours(j);
+      const auto at = std::lower_bound(back.begin(), back.end(), static_cast<std::int32_t>(i));
+      ASSERT_TRUE(at != back.end() && *at == static_cast<std::int32_t>(i));
+      const double here = ends.conductance(i, j, graph.factors(i)[k]);
+      EXPECT_EQ(here, ends.conductance(j, i, graph.factors(j)[static_cast<std::size_t>(at - back.begin())]));
+      EXPECT_GT(here, 0);
+      ++links;
+    }
+  EXPECT_GT(links, 20 * graph.particles());
 }
 
 }  // namespace

@@ -168,7 +168,7 @@ double flux_ratio(int count, const ThermalProperties& particles, const ThermalPr
   LatticeBody body(Comm(), lattice, add_search_fields);
   for (double& t : body.particles[field::temperature]) t = 500;
   const auto shape = std::make_shared<Box>(Vec3{length, 0, -infinite}, Vec3{2 * length, length, infinite});
-  SimplexMesh mesh = box_mesh({length, 0, -infinite}, {2 * length, length, infinite}, 1 * mm, 2);
+  SimplexMesh mesh = box_mesh({length, 0, -infinite}, {2 * length, length, infinite}, lattice.spacing, 2);
   const auto far = facets_at(mesh, 0, 2 * length);
   std::vector<RigidHeat> heat{meshed(std::move(mesh), solid, {fixed_at(far, 300)}, 500)};
   heat.emplace_back();
@@ -188,11 +188,29 @@ double flux_ratio(int count, const ThermalProperties& particles, const ThermalPr
         points.push_back({static_cast<std::int32_t>(i), 1, x, lattice.spacing});
     report = solver.advance(body.particles, body.pairs, body.halo, points, heat, dt);
   }
+  // Embedded particles are neighbours: next to them nothing is missing.
+  for (std::size_t i = 0; i < body.particles.owned(); ++i) {
+    const Vec3 x = body.particles.vector_at(field::position, i);
+    if (x.x > 0.5 * length && std::abs(x.y - 0.5 * length) < 0.2 * length) {
+      EXPECT_NEAR(body.particles[field::conduction_correction][i], 1, 1e-9);
+    }
+  }
   const double flow = report.bodies[0].surface / dt;  // W/m
   EXPECT_NEAR(report.bodies[0].interface / dt / flow, 1, 1e-6) << "steady";
   EXPECT_NEAR(report.bodies[1].interface / dt / flow, -1, 1e-6) << "steady";
   const double perfect = 400 * length / (length / particles.conductivity(0) + length / solid.conductivity(0));
   return flow / perfect;
+}
+
+/// What a particle of the first layer lacks of the kernel sum of the bulk it finds in the body: A1, bulk less face.
+TEST(HybridInterface, EmbeddedParticlesFillTheLatticeA1) {
+  const double dx = 0.5 * mm;
+  const auto shape = std::make_shared<Box>(Vec3{-4 * mm, -4 * mm, -3 * mm}, Vec3{4 * mm, 4 * mm, 0});
+  const RigidHeat heat = meshed(box_mesh({-4 * mm, -4 * mm, -3 * mm}, {4 * mm, 4 * mm, 0}, 1 * mm), steel(), {});
+  HybridInterface hybrid(*heat.mesh, *shape, CubicSpline{}, 3, dx, 1.3 * dx);
+  const InterfacePoint point = hybrid.point_at({0.5 * dx, 0.5 * dx, 0.5 * dx}, dx * dx * dx, 1.3 * dx);
+  EXPECT_NEAR(point.kernel_sum, (1 - 2.738172e-3) - 0.767847, 1e-6);
+  EXPECT_FALSE(hybrid.point_at({0.5 * dx, 0.5 * dx, 3.2 * dx}, dx * dx * dx, 1.3 * dx).shape_factor > 0);
 }
 
 TEST(HybridInterface, SteadyFluxIsThatOfPerfectContact) {
@@ -206,7 +224,7 @@ TEST(HybridInterface, SteadyFluxIsThatOfPerfectContact) {
       std::printf("hybrid interface, %s: flux off by %+.4f, %+.4f, %+.4f at 10, 20, 40 spacings\n", what, errors[0],
                   errors[1], errors[2]);
     EXPECT_LT(std::abs(errors[0]), 0.03) << what;
-    EXPECT_LT(std::abs(errors[2]), 0.7 * std::abs(errors[0])) << what;
+    EXPECT_LT(std::abs(errors[2]), 0.4 * std::abs(errors[0])) << what << ": first order, edges as long as spacings";
   }
 }
 

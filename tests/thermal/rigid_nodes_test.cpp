@@ -13,6 +13,7 @@
 
 #include "support/rigid_bodies.hpp"
 #include "thermal/interface_search.hpp"
+#include "thermal/rigid_nodes.hpp"
 
 namespace stirsph {
 namespace {
@@ -247,6 +248,69 @@ TEST(MeshSurface, ConditionsThatContradictAreRefused) {
   EXPECT_THROW(HeatMesh(mesh, steel(), steel_density, {fixed_at({}, 300)}), InputError);
   const HeatMesh same(mesh, steel(), steel_density, {fixed_at(one, 300), fixed_at(other, 300)});
   EXPECT_TRUE(same.fixed(mesh.surface[one[0]][0]));
+}
+
+/// E9: with links of particles on its surface, free and fixed nodes, the matrix of the nodes is symmetric and positive.
+TEST(HeatMatrixE9, OfTheNodesIsSymmetricAndPositive) {
+  SimplexMesh mesh = box_mesh({0, 0, 0}, {length, width, height}, 2 * mm);
+  const auto end = facets_at(mesh, 0, length);
+  const std::vector<RigidHeat> bodies{meshed(std::move(mesh), steel(), {fixed_at(end, 300)})};
+  const Comm alone(MPI_COMM_SELF);
+  RigidNodes nodes(alone, bodies);
+  constexpr std::size_t particles = 3;
+  nodes.number_rows(alone, particles);
+  nodes.begin_step(bodies);
+  nodes.linearise(bodies, 1);
+  std::vector<NodeWeight> weights;
+  std::vector<RigidLink> links;
+  weights.reserve(3 * particles);
+  for (std::size_t p = 0; p < particles; ++p) {
+    const std::size_t first = weights.size();
+    const auto& facet = bodies[0].mesh->mesh().surface[7 * p];
+    for (int c = 0; c < 3; ++c) weights.push_back({facet[c], c == 0 ? 0.5 : 0.25});
+    links.push_back({static_cast<std::int32_t>(p), 0, 0.3, 0, {weights.data() + first, 3}});
+  }
+  nodes.receive_links(alone, links, std::vector<double>{0, 1, 2}, std::vector<double>(particles, 400));
+  HeatMatrix matrix;
+  HeatMatrixWriter writer(matrix, 0, particles + nodes.owned(), true);
+  for (std::size_t p = 0; p < particles; ++p) {  // the particles' rows, as the solver writes them
+    writer.begin_row();
+    writer.add_global(static_cast<std::int64_t>(p), 1 + 0.3);
+    for (const NodeWeight& node : links[p].nodes)
+      if (!nodes.fixed(node.node)) writer.add_global(nodes.row(node.node), -0.3 * node.weight);
+    writer.end_row();
+  }
+  std::vector<double> right(nodes.owned());
+  nodes.fill(writer, right, 1.0, 1.0);
+  const auto times = [&](const std::vector<double>& x) {
+    std::vector<double> y(x.size(), 0.0);
+    for (std::size_t r = 0; r < matrix.rows(); ++r)
+      for (int k = matrix.own.starts[r]; k < matrix.own.starts[r + 1]; ++k)
+        y[r] += matrix.own.values[k] * x[matrix.own.columns[k]];
+    return y;
+  };
+  const auto product = [](const std::vector<double>& a, const std::vector<double>& b) {
+    double sum = 0;
+    for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
+    return sum;
+  };
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> between(-1, 1);
+  std::vector<double> x(matrix.rows()), y(matrix.rows());
+  for (int trial = 0; trial < 20; ++trial) {
+    for (double& value : x) value = between(random);
+    for (double& value : y) value = between(random);
+    const double scale = std::sqrt(product(times(x), times(x)) * product(y, y));
+    EXPECT_NEAR(product(y, times(x)), product(x, times(y)), 1e-14 * scale);
+    EXPECT_GT(product(x, times(x)), 0);
+  }
+  // Heat that leaves one row arrives at another: without capacities and fixed nodes the rows sum to zero.
+  const std::vector<double> ones(matrix.rows(), 1.0), sums = times(ones);
+  for (std::size_t p = 0; p < particles; ++p) {
+    double to_fixed = 0;
+    for (const NodeWeight& node : links[p].nodes) to_fixed += nodes.fixed(node.node) ? 0.3 * node.weight : 0;
+    EXPECT_NEAR(sums[p], 1 + to_fixed, 1e-14);
+  }
 }
 
 // ---- particles between bodies of all roles ------------------------------------------------------------------------
