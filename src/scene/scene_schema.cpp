@@ -252,7 +252,7 @@ void declare_heat_and_output(Schema& s) {
               "constant temperature, heating without conduction, or implicit conduction")
       .by_default("off");
   heat.integer("every", "mechanical steps per heat step").range(1, 1000000).by_default("10");
-  heat.real("relative_tolerance", "of the linear solve").range(1e-14, 0.1).by_default(1e-8);
+  heat.real("relative_tolerance", "of the linear solve").range(1e-14, 0.1).by_default(1e-6);
   heat.integer("nonlinear_iterations", "solves per heat step with k(T) and c_p(T) updated")
       .range(1, 100)
       .by_default("1");

@@ -118,7 +118,10 @@ void LinearSolve::use_matrix(HeatMatrix& matrix) {
     PetscBool multigrid = PETSC_FALSE;
     STIRSPH_PETSC(KSPGetPC(m.ksp, &pc));
     STIRSPH_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCGAMG, &multigrid));
-    if (multigrid) STIRSPH_PETSC(PCReset(pc));
+    if (multigrid) {
+      STIRSPH_PETSC(KSPReset(m.ksp));
+      STIRSPH_PETSC(KSPSetOperators(m.ksp, m.matrix, m.matrix));
+    }
     return;
   }
   const auto rows = static_cast<PetscInt>(matrix.rows());
