@@ -203,7 +203,7 @@ void InterfaceSearch::check_overlap(const ParticleSet& particles, const HeatInte
   const auto body = particles[field::body];
   for (std::size_t i = 0; i < particles.owned(); ++i) {
     const Vec3 x = particles.vector_at(field::position, i);
-    const double depth = -rigid.nearest(x).distance;
+    const double depth = -rigid.nearest(into_box(domain_, x)).distance;
     if (!interface.bodies[static_cast<std::size_t>(body[i])] || depth <= allowed) continue;
     throw InputError(fmt::format(
         "rigid \"{}\": it overlaps a deformable body at the start: the centre of particle {} at {} lies {:.4g} mm deep "
