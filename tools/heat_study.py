@@ -59,8 +59,10 @@ def table(title, columns, rows):
 
 def picture(path, title, xlabel, ylabel, curves, xlog=True):
     figure, axes = plt.subplots(figsize=(5.5, 4))
+    shown = 1e-8  # the history prints ten digits: smaller differences are none
     for label, points in curves.items():
-        axes.plot([p[0] for p in points], [max(p[1], 1e-16) for p in points], "o-", label=label, markersize=4)
+        style = "k--" if label == "first order" else "o-"
+        axes.plot([p[0] for p in points], [max(p[1], shown) for p in points], style, label=label, markersize=4)
     axes.set_yscale("log")
     if xlog:
         axes.set_xscale("log")
