@@ -24,6 +24,7 @@
 #include "geometry/combinations.hpp"
 #include "geometry/mesh_file.hpp"
 #include "geometry/mesh_shape.hpp"
+#include "geometry/mesh_sizes.hpp"
 #include "geometry/primitives.hpp"
 
 namespace stirsph {
@@ -359,26 +360,8 @@ class SolidBuilder final : public ShapeVisitor {
   Entities solid_;
 };
 
-/// The part of space to build in, in mm: the shape's bounds within the cut.
-Bounds region_of(const ShapeFunction& shape, const ShapeMeshOptions& options) {
-  Bounds region = shape.bounds();
-  for (int i = 0; i < options.dimensions; ++i) {
-    if (options.cut) {
-      region.low[i] = std::max(region.low[i], options.cut->low[i]);
-      region.high[i] = std::min(region.high[i], options.cut->high[i]);
-    }
-    if (!std::isfinite(region.low[i]) || !std::isfinite(region.high[i]))
-      throw InputError(fmt::format("{}: endless along {}: give a bounding box to cut it with before it is meshed",
-                                   shape.describe(), "xyz"[i]));
-    if (region.low[i] >= region.high[i])
-      throw InputError(fmt::format("{}: nothing of it lies within the bounding box", shape.describe()));
-  }
-  if (options.dimensions == 2) region.low.z = region.high.z = 0;
-  return {per_m * region.low, per_m * region.high};
-}
-
 Entities solid_of(const ShapeFunction& shape, const ShapeMeshOptions& options) {
-  const Bounds region = region_of(shape, options);
+  const Bounds metres = meshed_region(shape, options), region{per_m * metres.low, per_m * metres.high};
   const Vec3 centre = 0.5 * (region.low + region.high);
   const double reach = norm(region.high - region.low);
   Entities solid = SolidBuilder(centre, reach).build(shape);
@@ -403,57 +386,6 @@ void keep_only(const Entities& solid, int dim) {
     std::erase_if(all, [&](const auto& entity) { return std::find(kept.begin(), kept.end(), entity) != kept.end(); });
     gmsh::model::removeEntities(all, true);
   }
-}
-
-void check_sizes(const ShapeMeshOptions& options) {
-  const MeshSizes& sizes = options.sizes;
-  if (options.dimensions != 2 && options.dimensions != 3) throw InputError("a mesh has 2 or 3 dimensions");
-  if (!(sizes.near > 0) || !(sizes.far >= sizes.near) || !std::isfinite(sizes.far))
-    throw InputError(
-        fmt::format("mesh sizes must satisfy 0 < near <= far; given: near {} m, far {} m", sizes.near, sizes.far));
-  if (!(sizes.growth > 0)) throw InputError("the growth of mesh sizes must be > 0");
-}
-
-double size_at(const MeshSizes& sizes, const Vec3& point) {
-  if (sizes.refine_at.empty()) return sizes.near;
-  double distance = infinity;
-  for (const auto& shape : sizes.refine_at) distance = std::min(distance, shape->distance(point));
-  return std::min(sizes.far, sizes.near + sizes.growth * std::max(distance, 0.0));
-}
-
-/// About how many elements the sizes ask for within a cell [m]: its volume over that of regular elements. Cells are
-/// halved where the size changes much within one.
-double expected_elements(const ShapeFunction& shape, const ShapeMeshOptions& options, const Bounds& cell,
-                         int depth = 0) {
-  const int dim = options.dimensions;
-  const Vec3 middle = 0.5 * (cell.low + cell.high);
-  const double radius = 0.5 * norm(cell.high - cell.low), size = size_at(options.sizes, middle);
-  const double outside = shape.distance(middle);
-  if (outside > radius) return 0;
-  if (depth < 3 || (depth < 6 && options.sizes.growth * radius > 0.5 * size)) {
-    double sum = 0;
-    for (int corner = 0; corner < (dim == 3 ? 8 : 4); ++corner) {
-      Bounds part = cell;
-      for (int i = 0; i < dim; ++i) (corner >> i & 1 ? part.low[i] : part.high[i]) = middle[i];
-      sum += expected_elements(shape, options, part, depth + 1);
-    }
-    return sum;
-  }
-  double elements = outside < 0 ? (dim == 3 ? 6 * std::numbers::sqrt2 : 4 / std::numbers::sqrt3) : 0;
-  for (int i = 0; i < dim; ++i) elements *= (cell.high[i] - cell.low[i]) / size;
-  return elements;
-}
-
-/// Lengths in a wrong unit would keep the mesher busy until the memory is full.
-void check_count(const ShapeFunction& shape, const ShapeMeshOptions& options) {
-  constexpr double most = 2e7;
-  const Bounds region = region_of(shape, options);
-  const double count = expected_elements(shape, options, {mm * region.low, mm * region.high});
-  if (count > most)
-    throw InputError(
-        fmt::format("{}: edges of {:.4g} to {:.4g} mm would make about {:.1e} elements. Allowed: {:.0e}. "
-                    "Enlarge near, far or growth",
-                    shape.describe(), per_m * options.sizes.near, per_m * options.sizes.far, count, most));
 }
 
 /// Gmsh's fast mesher (HXT) puts points where the layout of memory leads it, even on one thread; its older one always
@@ -541,17 +473,17 @@ void write_mesh_file(const SimplexMesh& mesh, const std::string& path, MeshFileF
 }
 
 ShapeMesh mesh_shape(const ShapePointer& shape, const ShapeMeshOptions& options) {
-  check_sizes(options);
+  check_mesh_options(options);
   const double start = wall_seconds();
   return in_gmsh<InputError>(shape->describe(), [&](const Model&) {
     const int dim = options.dimensions;
-    check_count(*shape, options);
+    check_element_count(*shape, options);
     const Entities solid = solid_of(*shape, options);
     if (solid.empty()) throw InputError(shape->describe() + ": nothing of it is left to mesh");
     occ::synchronize();
     keep_only(solid, dim);
     gmsh::model::mesh::setSizeCallback([&](int, int, double x, double y, double z) {
-      return per_m * size_at(options.sizes, mm * Vec3{x, y, z});
+      return per_m * edge_length_at(options.sizes, mm * Vec3{x, y, z});
     });
     generate(dim, options.fast);
 

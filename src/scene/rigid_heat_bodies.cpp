@@ -194,9 +194,7 @@ std::vector<RigidHeat> make_rigid_heat(const Comm& comm, const Scene& scene) {
         heat.role = wanted.role == Role::Fixed ? RigidHeat::Role::FixedTemperature : RigidHeat::Role::LumpedNode;
         heat.temperature = wanted.temperature({0, 0, 0});
       }
-    } catch (const InputError& error) {
-      throw InputError(scene.path + " rigid \"" + rigid.name + "\" heat: " + error.what());
-    } catch (const Error& error) {  // agreed on by all ranks
+    } catch (const Error& error) {
       throw Error(error.code(), scene.path + " rigid \"" + rigid.name + "\" heat: " + error.what());
     }
     if (!heat.mesh) heat.heat_capacity = wanted.heat_capacity;

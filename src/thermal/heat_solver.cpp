@@ -358,14 +358,13 @@ HeatReport HeatSolver::Impl::balance(const ParticleSet& particles, const Particl
     BodyHeat& body = bodies[l.body];
     sources += l.heat;
     body.friction += l.heat;
-    double flow = 0, into_fixed = 0;
-    for (const NodeWeight& node : l.nodes)
+    double flow = 0, fixed_share = 0;
+    for (const NodeWeight& node : l.nodes) {
       flow += dt * l.conductance * node.weight * (between(l.particle) - nodes->between(node.node, implicit_share));
-    double through = 0;
-    for (const NodeWeight& node : l.nodes)
-      if (nodes->fixed(node.node)) through += node.weight;
+      if (nodes->fixed(node.node)) fixed_share += node.weight;
+    }
     // A node receives its share of the whole flow of the link, which ends at the weighted temperature.
-    into_fixed = through * (flow + l.heat);
+    const double into_fixed = fixed_share * (flow + l.heat);
     body.interface += flow;
     body.surface += into_fixed;
     fixed += into_fixed;
