@@ -134,17 +134,17 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
           d[a] = xi[a] - other[Record::x + a];
           r2 += d[a] * d[a];
         }
-        const Lanes inverse_r = inverse_root(r2), r = r2 * inverse_r;
+        const Lanes r = sqrt(r2);
         Lanes weight, q;  // V_j W'(r)/r, r/h
         if constexpr (VariableH) {
-          const Lanes inverse = 2.0 * reciprocal(hi + other[Record::h]);
+          const Lanes inverse = 2.0 / (hi + other[Record::h]);
           Lanes power = inverse * inverse * inverse;
           if constexpr (dim == 3) power *= inverse;
           q = r * inverse;
-          weight = other[Record::volume] * sigma * power * K::slope(q) * inverse_r;
+          weight = other[Record::volume] * sigma * power * K::slope(q) / r;
         } else {
           q = r * inverse_h;
-          weight = other[Record::volume] * constant * K::slope(q) * inverse_r;
+          weight = other[Record::volume] * constant * K::slope(q) / r;
         }
         reached[reached_count] = j;
         reached_count += stdx::any_of(q < Lanes(K::support));
@@ -248,18 +248,18 @@ void momentum_sweep(const AlignedVector& records, const PairList& pairs, const A
           d[a] = xi[a] - other[Record::x + a];
           r2 += d[a] * d[a];
         }
-        const Lanes inverse_r = inverse_root(r2), r = r2 * inverse_r;
+        const Lanes r = sqrt(r2);
         Lanes h = constants.smoothing, weight, q;
         if constexpr (VariableH) {
           h = 0.5 * (hi + other[Record::h]);
-          const Lanes inverse = reciprocal(h);
+          const Lanes inverse = 1.0 / h;
           Lanes power = inverse * inverse * inverse;
           if constexpr (dim == 3) power *= inverse;
           q = r * inverse;
-          weight = other[Record::volume] * sigma * power * K::slope(q) * inverse_r;
+          weight = other[Record::volume] * sigma * power * K::slope(q) / r;
         } else {
           q = r * inverse_h;
-          weight = other[Record::volume] * constant * K::slope(q) * inverse_r;
+          weight = other[Record::volume] * constant * K::slope(q) / r;
         }
         Lanes stress[stress_size];
         for (int c = 0; c < stress_size; ++c) stress[c] = si[c] + other[Record::stress + c];
@@ -279,7 +279,7 @@ void momentum_sweep(const AlignedVector& records, const PairList& pairs, const A
           Lanes approach = 0.0;
           for (int a = 0; a < dim; ++a) approach += (vi[a] - other[Record::v + a]) * d[a];
           approach = min(approach, Lanes(0.0));
-          const Lanes mu = h * approach * reciprocal(r2 + 0.01 * h * h);
+          const Lanes mu = h * approach / (r2 + 0.01 * h * h);
           const Lanes pressure = 0.5 * mu *
                                  (constants.beta * (density + other[Record::density]) * mu -
                                   constants.alpha * (impedance + other[Record::impedance]));

@@ -44,28 +44,6 @@ inline Lanes exponential(const Lanes& x) {
 #endif
 }
 
-/// 1/sqrt(x) and 1/x of positive normal numbers, to a unit in the last place or two. AVX-512 has estimates of 14 bits,
-/// which two Newton steps double and double again; that keeps the pair sweeps off the divider, their bottleneck.
-inline Lanes inverse_root(const Lanes& x) {
-#if defined(__AVX512F__)
-  Lanes y(_mm512_rsqrt14_pd(static_cast<__m512d>(x)));
-  const Lanes half = 0.5 * x;
-  for (int k = 0; k < 2; ++k) y += y * (0.5 - half * y * y);
-  return y;
-#else
-  return 1.0 / sqrt(x);
-#endif
-}
-inline Lanes reciprocal(const Lanes& x) {
-#if defined(__AVX512F__)
-  Lanes y(_mm512_rcp14_pd(static_cast<__m512d>(x)));
-  for (int k = 0; k < 2; ++k) y += y * (1.0 - x * y);
-  return y;
-#else
-  return 1.0 / x;
-#endif
-}
-
 /// A row-major N x N matrix of doubles or lanes.
 template <class T, int N>
 struct LaneMatrix {
