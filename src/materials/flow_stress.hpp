@@ -31,6 +31,7 @@ struct FlowBatch {
   double shear_modulus = 0;                ///< Pa
   double* increment = nullptr;             ///< out: plastic strain increment, >= 0
   double* flow_stress = nullptr;           ///< out: Pa, sigma_y after the step
+  const double* previous_rate = nullptr;   ///< 1/s, plastic strain rate of the last step, a first guess; or null
 };
 
 class FlowStress {
@@ -68,6 +69,8 @@ class FlowStressOf final : public FlowStress {
     const double three_g = 3 * b.shear_modulus, trial = b.trial[k];
     constexpr double vanishing = 1e-290;  // below it the strain powers underflow
     double low = 0, high = (trial - std::min(still, trial)) / three_g, x = high;
+    if (b.previous_rate)  // flow is steady more often than not
+      if (const double guess = b.previous_rate[k] * b.dt; guess > 0 && guess < high) x = guess;
     for (long iteration = 1; iteration <= 200; ++iteration) {
       const FlowPoint f = model_.evaluate(b.plastic_strain[k] + x, x / b.dt, b.temperature[k]);
       const double residual = trial - three_g * x - f.stress;

@@ -11,8 +11,8 @@ void MechanicsIn<S>::sweep_gradient(const PairList& pairs, std::size_t first, st
   const auto run = [&]<bool Corrected, bool Diffusion, bool VariableH, bool Keep = false>() {
     counters_.gradient_fallbacks += std::visit(
         [&]<class K>(const K&) {
-          return velocity_gradient_sweep<S, K, Corrected, Diffusion, VariableH, Keep>(records_, pairs, first, last,
-                                                                                      owned, smoothing_length(), block);
+          return velocity_gradient_sweep<S, K, Corrected, Diffusion, VariableH, Keep>(
+              records_, pairs, first, last, owned, smoothing_length(), block, active_);
         },
         settings_.kernel);
   };

@@ -11,7 +11,11 @@ namespace stirsph {
 template <class S>
 MechanicsIn<S>::MechanicsIn(MechanicsSettings settings, std::vector<Material> materials)
     : Mechanics(std::move(settings), std::move(materials)) {
-  for (Material& material : materials_) material.youngs_modulus *= settings_.elastic_scale;
+  for (Material& material : materials_) {
+    material.youngs_modulus *= settings_.elastic_scale;
+    constants_.push_back(
+        {material.shear_modulus(), material.bulk_modulus(), material.density, material.taylor_quinney});
+  }
 }
 
 template <class S>
@@ -108,13 +112,16 @@ void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles) {
     if constexpr (ArtificialStress) put_tensor(Record::artificial, field::artificial_stress);
     if constexpr (VariableH) put(Record::h, field::smoothing_length, 0);
 
-    const auto material = particles[field::material];
-    const auto strain = particles[field::volumetric_strain];
-    for (std::size_t i = 0; i < particles.capacity(); ++i) {
-      const Material& m = materials_[static_cast<int>(material[i])];
-      const double density = settings_.density_scale * m.density * std::exp(-strain[i]);
-      records_[i * Record::size + Record::density] = density;
-      records_[i * Record::size + Record::impedance] = density * m.sound_speed() / std::sqrt(settings_.density_scale);
+    if (settings_.viscosity_alpha > 0 || settings_.viscosity_beta > 0) {
+      std::vector<double> sound_speed;
+      for (const Material& m : materials_) sound_speed.push_back(m.sound_speed() / std::sqrt(settings_.density_scale));
+      const auto material = particles[field::material], mass = particles[field::mass],
+                 volume = particles[field::volume];
+      for (std::size_t i = 0; i < particles.total(); ++i) {
+        const double density = settings_.density_scale * mass[i] / volume[i];
+        records_[i * Record::size + Record::density] = density;
+        records_[i * Record::size + Record::impedance] = density * sound_speed[static_cast<std::size_t>(material[i])];
+      }
     }
   };
   const auto with_h = [&]<bool ArtificialStress, bool Full>() {
@@ -132,12 +139,14 @@ template <class S>
 void MechanicsIn<S>::update_stress(ParticleSet& particles, const PairList& pairs, double dt) {
   counters_ = {};
   pack_gradient_records(particles);
+  active_.begin(pairs, particles.clusters() * (cluster_size / lanes));
   GradientBlock<S> block;
   for (std::size_t first = 0; first < particles.clusters(); first += GradientBlock<S>::clusters) {
     const std::size_t last = std::min(first + GradientBlock<S>::clusters, particles.clusters());
     sweep_gradient(pairs, first, last, particles.owned(), block);
     update_block(particles, block, first * cluster_size, dt);
   }
+  active_.complete();
 }
 
 template <class S>
@@ -151,6 +160,7 @@ void MechanicsIn<S>::update_acceleration(ParticleSet& particles, const PairList&
   const MomentumConstants constants{smoothing_length(), settings_.spacing, settings_.viscosity_alpha,
                                     settings_.viscosity_beta};
   sweep_momentum(pairs, particles.clusters(), constants, force.data(), dissipation_.data(), artificial_power_.data());
+  active_.expire();
   const auto mass = particles[field::mass];
   for (int d = 0; d < S::dim; ++d)
     for (std::size_t i = 0; i < particles.owned(); ++i) force[d][i] /= mass[i] * settings_.density_scale;

@@ -7,6 +7,11 @@
 
 namespace stirsph {
 
+/// What the material update needs of a material beside its flow stress.
+struct MaterialConstants {
+  double shear, bulk, density, taylor_quinney;  ///< Pa, Pa, kg/m3, 1
+};
+
 template <class S>
 class MechanicsIn final : public Mechanics {
  public:
@@ -19,7 +24,7 @@ class MechanicsIn final : public Mechanics {
   double wave_speed() const override;
   double least_smoothing_length(const ParticleSet& particles) const override;
   double support(const ParticleSet& particles) const override;
-  std::size_t bytes() const override { return records_.capacity() * sizeof(double); }
+  std::size_t bytes() const override { return records_.capacity() * sizeof(double) + active_.bytes(); }
 
  private:
   void pack_gradient_records(const ParticleSet& particles);
@@ -32,7 +37,9 @@ class MechanicsIn final : public Mechanics {
 
   double smoothing_length() const { return settings_.h_over_dx * settings_.spacing; }
 
+  std::vector<MaterialConstants> constants_;      ///< per material
   AlignedVector records_;                         ///< neighbours packed for the sweep at hand
+  ActivePairs active_;                            ///< from update_stress to the update_acceleration that follows
   AlignedVector dissipation_, artificial_power_;  ///< W per particle
 };
 

@@ -12,11 +12,11 @@ void MechanicsIn<S>::sweep_momentum(const PairList& pairs, std::size_t clusters,
     std::visit(
         [&]<class K>(const K&) {
           if (settings_.gradient_correction == GradientCorrection::Full)
-            momentum_sweep<S, K, Viscous, ArtificialStress, VariableH, true>(records_, pairs, 0, clusters, constants,
-                                                                             force, dissipation, artificial_power);
+            momentum_sweep<S, K, Viscous, ArtificialStress, VariableH, true>(
+                records_, pairs, active_, 0, clusters, constants, force, dissipation, artificial_power);
           else
-            momentum_sweep<S, K, Viscous, ArtificialStress, VariableH, false>(records_, pairs, 0, clusters, constants,
-                                                                              force, dissipation, artificial_power);
+            momentum_sweep<S, K, Viscous, ArtificialStress, VariableH, false>(
+                records_, pairs, active_, 0, clusters, constants, force, dissipation, artificial_power);
         },
         settings_.kernel);
   };

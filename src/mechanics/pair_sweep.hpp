@@ -12,6 +12,7 @@
 /// support, the particle itself and padding lanes give exact zeros: there is no branch in the loop.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "mechanics/settings.hpp"
@@ -26,6 +27,38 @@ constexpr int padded_record(int size) { return (size + 7) / 8 * 8; }
 
 /// Keeps r away from zero for the particle itself; (1e-30 m)^2, far below any spacing.
 inline constexpr double tiny_square = 1e-60;
+
+/// The candidates that at least one particle of a register reaches now. The first sweep finds them on its way; the
+/// second, at the same positions, visits only these, a quarter fewer than the list with its skin. What it leaves out
+/// are exact zeros, so the sums are the same to the last bit.
+class ActivePairs {
+ public:
+  /// Before a first sweep over `list`.
+  void begin(const PairList& list, std::size_t registers) {
+    indices_.resize(list.size() * (cluster_size / lanes) + 1);  // one more: where a rejected candidate is written
+    starts_.resize(registers + 1);
+    starts_[0] = 0;
+    valid_ = false;
+  }
+  std::int32_t* writable(std::size_t r) { return indices_.data() + starts_[r]; }
+  void end_register(std::size_t r, std::size_t count) { starts_[r + 1] = starts_[r] + count; }
+  /// All registers are written: the next second sweep may use them.
+  void complete() { valid_ = true; }
+  /// The positions are about to change.
+  void expire() { valid_ = false; }
+  bool valid() const { return valid_; }
+  std::span<const std::int32_t> of(std::size_t r) const {
+    return {indices_.data() + starts_[r], indices_.data() + starts_[r + 1]};
+  }
+  std::size_t bytes() const {
+    return indices_.capacity() * sizeof(std::int32_t) + starts_.capacity() * sizeof(std::size_t);
+  }
+
+ private:
+  std::vector<std::int32_t> indices_;
+  std::vector<std::size_t> starts_;  ///< per SIMD register of particles
+  bool valid_ = false;
+};
 
 /// Cluster-wise results of the first sweep for a run of clusters.
 template <class S>
@@ -70,7 +103,7 @@ void load_rows(const AlignedVector& records, std::size_t first, int offset, int 
 /// the `owned` particles could not be corrected (the last cluster may hold padding behind them).
 template <class S, class K, bool Corrected, bool Diffusion, bool VariableH, bool KeepCorrection = false>
 long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs, std::size_t first, std::size_t last,
-                             std::size_t owned, double smoothing, GradientBlock<S>& block) {
+                             std::size_t owned, double smoothing, GradientBlock<S>& block, ActivePairs& active) {
   constexpr int dim = S::dim;
   using Record = GradientRecord<S, VariableH>;
   const double sigma = K::normalisation(dim);
@@ -90,6 +123,9 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
         for (int b = 0; b < dim; ++b) gradient.a[a][b] = moment.a[a][b] = 0.0;
       const double inverse_h = 1 / smoothing;
       const double constant = sigma * std::pow(inverse_h, dim + 1);
+      const std::size_t number = i0 / lanes;
+      std::int32_t* const reached = active.writable(number);
+      std::size_t reached_count = 0;
 
       for (const std::int32_t j : candidates) {
         const double* other = records.data() + static_cast<std::size_t>(j) * Record::size;
@@ -99,15 +135,19 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
           r2 += d[a] * d[a];
         }
         const Lanes r = sqrt(r2);
-        Lanes weight;  // V_j W'(r)/r
+        Lanes weight, q;  // V_j W'(r)/r, r/h
         if constexpr (VariableH) {
           const Lanes inverse = 2.0 / (hi + other[Record::h]);
           Lanes power = inverse * inverse * inverse;
           if constexpr (dim == 3) power *= inverse;
-          weight = other[Record::volume] * sigma * power * K::slope(Lanes(r * inverse)) / r;
+          q = r * inverse;
+          weight = other[Record::volume] * sigma * power * K::slope(q) / r;
         } else {
-          weight = other[Record::volume] * constant * K::slope(Lanes(r * inverse_h)) / r;
+          q = r * inverse_h;
+          weight = other[Record::volume] * constant * K::slope(q) / r;
         }
+        reached[reached_count] = j;
+        reached_count += stdx::any_of(q < Lanes(K::support));
         for (int b = 0; b < dim; ++b) {
           const Lanes g = weight * d[b];
           for (int a = 0; a < dim; ++a) gradient.a[a][b] += g * (other[Record::v + a] - vi[a]);
@@ -116,6 +156,8 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
         }
         if constexpr (Diffusion) diffusion += weight * (ei - other[Record::strain]);
       }
+
+      active.end_register(number, reached_count);
 
       if constexpr (Corrected) {
         for (int b = 0; b < dim; ++b)
@@ -171,8 +213,8 @@ struct MomentumConstants {
 /// artificial stress [W] per particle into arrays that
 /// begin at particle first*8.
 template <class S, class K, bool Viscous, bool ArtificialStress, bool VariableH, bool Full>
-void momentum_sweep(const AlignedVector& records, const PairList& pairs, std::size_t first, std::size_t last,
-                    const MomentumConstants& constants, double* const* force, double* dissipation,
+void momentum_sweep(const AlignedVector& records, const PairList& pairs, const ActivePairs& active, std::size_t first,
+                    std::size_t last, const MomentumConstants& constants, double* const* force, double* dissipation,
                     double* artificial_power) {
   constexpr int dim = S::dim;
   using Record = MomentumRecord<S, VariableH, ArtificialStress, Full>;
@@ -182,9 +224,9 @@ void momentum_sweep(const AlignedVector& records, const PairList& pairs, std::si
   const double constant = sigma * std::pow(inverse_h, dim + 1);
   const double at_spacing = 1 / K::value(constants.spacing * inverse_h);
   for (std::size_t cluster = first; cluster < last; ++cluster) {
-    const auto candidates = pairs.candidates(cluster);
     for (std::size_t part = 0; part < cluster_size; part += lanes) {
       const std::size_t i0 = cluster * cluster_size + part;
+      const auto candidates = active.valid() ? active.of(i0 / lanes) : pairs.candidates(cluster);
       Lanes xi[dim], vi[dim], si[stress_size], ri[tensor], volume, impedance{}, density{}, hi{};
       load_rows<S, Record>(records, i0, Record::x, dim, xi);
       load_rows<S, Record>(records, i0, Record::stress, stress_size, si);

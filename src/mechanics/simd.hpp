@@ -2,8 +2,12 @@
 /// runs through the same code as a cluster.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <experimental/simd>
+#if defined(__AVX2__) && defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
 #include "base/tensor.hpp"
 #include "particles/particle_set.hpp"
@@ -14,6 +18,31 @@ namespace stdx = std::experimental;
 using Lanes = stdx::native_simd<double>;
 inline constexpr std::size_t lanes = Lanes::size();
 static_assert(cluster_size % lanes == 0, "a cluster is a whole number of SIMD registers");
+
+/// mask ? a : b, lane by lane.
+inline double select(bool mask, double a, double b) { return mask ? a : b; }
+inline Lanes select(const Lanes::mask_type& mask, const Lanes& a, Lanes b) {
+  stdx::where(mask, b) = a;
+  return b;
+}
+
+#if defined(__AVX512F__) && defined(__x86_64__)
+extern "C" __m512d _ZGVeN8v_exp(__m512d);
+#elif defined(__AVX2__) && defined(__x86_64__)
+extern "C" __m256d _ZGVdN4v_exp(__m256d);
+#endif
+
+/// e^x, with glibc's vector functions (at most 4 units in the last place off) where the lanes are as wide as those.
+inline double exponential(double x) { return std::exp(x); }
+inline Lanes exponential(const Lanes& x) {
+#if defined(__AVX512F__) && defined(__x86_64__)
+  return Lanes(_ZGVeN8v_exp(static_cast<__m512d>(x)));
+#elif defined(__AVX2__) && defined(__x86_64__)
+  return Lanes(_ZGVdN4v_exp(static_cast<__m256d>(x)));
+#else
+  return stdx::exp(x);
+#endif
+}
 
 /// A row-major N x N matrix of doubles or lanes.
 template <class T, int N>

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "mechanics/simd.hpp"
 
@@ -119,10 +120,11 @@ T equivalent_stress(const T (&s)[S::stress_components]) {
 }
 
 /// a:b of two symmetric tensors.
-template <class S>
-double contraction(const double* a, const double* b) {
-  double sum = 0;
-  for (int c = 0; c < S::stress_components; ++c) sum += (c < 3 ? 1.0 : 2.0) * a[c] * b[c];
+template <class S, class A, class B>
+auto contraction(const A& a, const B& b) {
+  using T = std::remove_cvref_t<decltype(a[0])>;
+  T sum = T(0.0);
+  for (int c = 0; c < S::stress_components; ++c) sum += T(c < 3 ? 1.0 : 2.0) * a[c] * b[c];
   return sum;
 }
 
@@ -130,33 +132,35 @@ double contraction(const double* a, const double* b) {
 /// its direction is the exact solution for a constant strain rate (Krieg & Krieg 1977): after an elastic part of the
 /// step that reaches the surface, the stress turns towards the strain increment, tan(psi/2) falling as exp(-2 G |D|
 /// t/R). A radial return is first order in the direction when the flow turns; this is second order and just as stable
-/// for large steps.
-template <class S>
-void plastic_return(const double* turned, double flow_stress, double (&s)[S::stress_components]) {
-  const double radius = std::sqrt(2.0 / 3) * flow_stress;
-  double increment[S::stress_components], base[S::stress_components];
+/// for large steps. Lanes that do not yield must be ignored by the caller.
+template <class S, class T>
+void plastic_return(const T (&turned)[S::stress_components], const T& flow_stress, T (&s)[S::stress_components]) {
+  using std::sqrt;
+  using stdx::sqrt;
+  const auto least = [](const T& a, const T& b) { return select(a < b, a, b); };
+  const T radius = std::sqrt(2.0 / 3) * flow_stress;
+  T increment[S::stress_components], base[S::stress_components];
   for (int c = 0; c < S::stress_components; ++c) increment[c] = s[c] - turned[c];
-  const double size2 = contraction<S>(increment, increment), old2 = contraction<S>(turned, turned);
+  const T size2 = contraction<S>(increment, increment), old2 = contraction<S>(turned, turned);
   // Stress that lies outside because the flow stress fell starts from the surface. The share of the step that is
   // elastic ends where the straight path leaves the surface: also when it starts there and first cuts through (reversed
   // loading).
-  const double scale = old2 > radius * radius ? radius / std::sqrt(old2) : 1.0;
-  const double along = scale * contraction<S>(turned, increment);
-  const double inside = radius * radius - std::min(old2, radius * radius);
-  const double leaves = std::sqrt(along * along + size2 * inside) - along, elastic = leaves / size2;
-  if (size2 <= 1e-24 * old2 || leaves >= size2) {  // (almost) no strain beside the fall of the flow stress
-    const double back = radius / std::sqrt(contraction<S>(s, s));
-    for (double& component : s) component *= back;
-    return;
-  }
+  const T scale = select(old2 > radius * radius, T(radius / sqrt(old2)), T(1.0));
+  const T along = scale * contraction<S>(turned, increment);
+  const T inside = radius * radius - least(old2, T(radius * radius));
+  const T leaves = sqrt(T(along * along + size2 * inside)) - along, elastic = leaves / size2;
+  // (Almost) no strain beside the fall of the flow stress: straight back.
+  const auto straight = size2 <= T(1e-24 * old2) || leaves >= size2;
+  const T back = radius / sqrt(contraction<S>(s, s));
   for (int c = 0; c < S::stress_components; ++c) base[c] = scale * turned[c] + elastic * increment[c];
 
-  const double size = std::sqrt(size2), decay = std::exp(-(1 - elastic) * size / radius);
-  const double cosine = contraction<S>(base, increment) / (radius * size);
-  const double ahead = 1 + cosine, behind = (1 - cosine) * decay * decay;
-  const double keep = 2 * decay / (ahead + behind);
-  const double turn = ((ahead - behind) / (ahead + behind) - keep * cosine) * radius / size;
-  for (int c = 0; c < S::stress_components; ++c) s[c] = keep * base[c] + turn * increment[c];
+  const T size = sqrt(size2), decay = exponential(T(-(1.0 - elastic) * size / radius));
+  const T cosine = contraction<S>(base, increment) / (radius * size);
+  const T ahead = 1.0 + cosine, behind = (1.0 - cosine) * decay * decay;
+  const T keep = 2.0 * decay / (ahead + behind);
+  const T turn = ((ahead - behind) / (ahead + behind) - keep * cosine) * radius / size;
+  for (int c = 0; c < S::stress_components; ++c)
+    s[c] = select(straight, T(s[c] * back), T(keep * base[c] + turn * increment[c]));
 }
 
 }  // namespace stirsph

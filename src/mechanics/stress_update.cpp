@@ -10,145 +10,191 @@
 namespace stirsph {
 namespace {
 
-/// Loads eight consecutive values as SIMD registers are wide.
 Lanes load(const double* from) { return Lanes(from, stdx::element_aligned); }
+
+/// Writes the first `count` lanes: the last cluster of a rank may be partly filled, and halo copies stand behind it.
+void store(const Lanes& values, double* to, std::size_t count) {
+  if (count >= lanes) {
+    values.copy_to(to, stdx::element_aligned);
+  } else {
+    for (std::size_t lane = 0; lane < count; ++lane) to[lane] = values[lane];
+  }
+}
+
+Lanes lane_numbers() {
+  return Lanes([](auto lane) { return static_cast<double>(static_cast<std::size_t>(lane)); });
+}
+
+double sum_of(const Lanes& values) {
+  double sum = 0;
+  for (std::size_t lane = 0; lane < lanes; ++lane) sum += values[lane];
+  return sum;
+}
+
+/// The fields of the material update, as plain pointers.
+template <class S>
+struct MaterialFields {
+  explicit MaterialFields(ParticleSet& particles)
+      : strain(particles[field::volumetric_strain].data()),
+        volume(particles[field::volume].data()),
+        plastic_strain(particles[field::equivalent_plastic_strain].data()),
+        plastic_rate(particles[field::plastic_strain_rate].data()),
+        flow_stress(particles[field::flow_stress].data()),
+        temperature(particles[field::temperature].data()),
+        smoothing(particles[field::smoothing_length].data()),
+        mass(particles[field::mass].data()),
+        material(particles[field::material].data()) {
+    const auto all = [&](const FieldInfo& info, auto& pointers) {
+      for (std::size_t c = 0; c < pointers.size(); ++c)
+        pointers[c] = particles.component(info, static_cast<int>(c)).data();
+    };
+    all(field::stress_deviator, deviator);
+    all(field::stress, stress);
+    if (particles.has(field::artificial_stress)) all(field::artificial_stress, extra);
+    if (particles.has(field::corrected_stress)) all(field::corrected_stress, corrected);
+    if (particles.has(field::heat_input)) heat_input = particles[field::heat_input].data();
+  }
+  std::array<double*, S::stress_components> deviator, stress, extra{};
+  std::array<double*, S::dim * S::dim> corrected{};
+  double *strain, *volume, *plastic_strain, *plastic_rate, *flow_stress;
+  const double* temperature;
+  double* smoothing;
+  const double *mass, *material;
+  double* heat_input = nullptr;
+};
+
+/// The return map of up to a cluster of particles. Returns its iterations.
+template <class S>
+long return_map(const std::vector<Material>& materials, const MaterialFields<S>& f, std::size_t i0, std::size_t count,
+                const double* trial, double dt, double* increment) {
+  long iterations = 0;
+  for (std::size_t k = 0; k < count;) {  // runs of equal material; nearly always one
+    const double id = f.material[i0 + k];
+    std::size_t end = k + 1;
+    while (end < count && f.material[i0 + end] == id) ++end;
+    if (const Material& m = materials[static_cast<std::size_t>(id)]; m.flow)
+      iterations +=
+          m.flow->return_map({static_cast<int>(end - k), trial + k, f.plastic_strain + i0 + k, f.temperature + i0 + k,
+                              dt, m.shear_modulus(), increment + k, f.flow_stress + i0 + k, f.plastic_rate + i0 + k});
+    k = end;
+  }
+  return iterations;
+}
 
 }  // namespace
 
+/// A cluster at a time: trial stress in lanes, the return map particle by particle, the rest in lanes again.
 template <class S>
 void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>& block, std::size_t first, double dt) {
   constexpr int dim = S::dim, components = S::stress_components;
-  const std::size_t owned = particles.owned();
-  std::array<double*, components> deviator, stress, extra{};
-  const bool artificial = settings_.artificial_stress > 0;
-  for (int c = 0; c < components; ++c) {
-    deviator[c] = particles.component(field::stress_deviator, c).data();
-    stress[c] = particles.component(field::stress, c).data();
-    if (artificial) extra[c] = particles.component(field::artificial_stress, c).data();
-  }
-  const bool full = settings_.gradient_correction == GradientCorrection::Full;
-  std::array<double*, dim * dim> corrected{};
-  if (full)
-    for (int c = 0; c < dim * dim; ++c) corrected[c] = particles.component(field::corrected_stress, c).data();
-  double* strain = particles[field::volumetric_strain].data();
-  double* volume = particles[field::volume].data();
-  double* plastic_strain = particles[field::equivalent_plastic_strain].data();
-  double* plastic_rate = particles[field::plastic_strain_rate].data();
-  double* flow_stress = particles[field::flow_stress].data();
-  const double* temperature = particles[field::temperature].data();
-  double* smoothing = particles[field::smoothing_length].data();
-  double* heat_input = settings_.heat_input ? particles[field::heat_input].data() : nullptr;
-  const double* mass = particles[field::mass].data();
-  const double* material_of = particles[field::material].data();
+  const MaterialFields<S> f(particles);
+  const bool artificial = settings_.artificial_stress > 0, diffusive = settings_.density_diffusion > 0,
+             full = settings_.gradient_correction == GradientCorrection::Full;
+  const double diffusion_scale = 2 * settings_.density_diffusion * smoothing_length() * wave_speed() * dt;
+  Lanes plastic_work = 0.0, elastic_work = 0.0, diffusion_work = 0.0, plastic_heat = 0.0;
 
-  const std::size_t last = std::min(first + GradientBlock<S>::size, owned);
+  const std::size_t last = std::min(first + GradientBlock<S>::size, particles.owned());
+  const auto constant = [&](double MaterialConstants::*value, std::size_t at) {
+    if (constants_.size() == 1) return Lanes(constants_[0].*value);
+    return Lanes([&](auto lane) {
+      return constants_[static_cast<std::size_t>(f.material[std::min(at + lane, last - 1)])].*value;
+    });
+  };
   for (std::size_t i0 = first; i0 < last; i0 += cluster_size) {
     const std::size_t count = std::min(cluster_size, last - i0);
-    alignas(64) std::array<double, cluster_size> shear, bulk, trial, old_work, trial_work, rate;
-    alignas(64) double s_trial[components][cluster_size], s_old[components][cluster_size],
-        strain_rate[components][cluster_size];
-    for (std::size_t k = 0; k < cluster_size; ++k) {
-      const Material& m = materials_[static_cast<int>(material_of[std::min(i0 + k, last - 1)])];
-      shear[k] = m.shear_modulus();
-      bulk[k] = m.bulk_modulus();
-    }
-    for (std::size_t part = 0; part < cluster_size; part += lanes) {
+    constexpr std::size_t parts = cluster_size / lanes;
+    alignas(64) std::array<double, cluster_size> trial, increment{};
+    Lanes s[parts][components], turned[parts][components], rate[parts][components], dilatation[parts], old_work[parts],
+        trial_work[parts];
+    for (std::size_t p = 0; p < parts; ++p) {
+      const std::size_t at = i0 + p * lanes;
       LaneMatrix<Lanes, dim> gradient;
       for (int a = 0; a < dim; ++a)
-        for (int b = 0; b < dim; ++b) gradient.a[a][b] = load(&block.gradient[a * dim + b][i0 - first + part]);
+        for (int b = 0; b < dim; ++b) gradient.a[a][b] = load(&block.gradient[a * dim + b][at - first]);
       const auto step = step_deformation<S>(to_midstep(gradient, dt), dt);
-      Lanes s[components], turned[components];
-      for (int c = 0; c < components; ++c) s[c] = load(deviator[c] + i0 + part);
-      const TrialWork<Lanes> work = elastic_trial<S>(s, turned, step, load(&shear[part]), dt);
-      work.old_stress.copy_to(&old_work[part], stdx::element_aligned);
-      work.trial_stress.copy_to(&trial_work[part], stdx::element_aligned);
-      equivalent_stress<S>(s).copy_to(&trial[part], stdx::element_aligned);
-      step.dilatation.copy_to(&rate[part], stdx::element_aligned);
-      for (int c = 0; c < components; ++c) {
-        s[c].copy_to(&s_trial[c][part], stdx::element_aligned);
-        turned[c].copy_to(&s_old[c][part], stdx::element_aligned);
-        step.rate[c].copy_to(&strain_rate[c][part], stdx::element_aligned);
-      }
+      for (int c = 0; c < components; ++c) s[p][c] = load(f.deviator[c] + at);
+      const TrialWork<Lanes> work =
+          elastic_trial<S>(s[p], turned[p], step, constant(&MaterialConstants::shear, at), dt);
+      old_work[p] = work.old_stress;
+      trial_work[p] = work.trial_stress;
+      equivalent_stress<S>(s[p]).copy_to(&trial[p * lanes], stdx::element_aligned);
+      dilatation[p] = step.dilatation;
+      for (int c = 0; c < components; ++c) rate[p][c] = step.rate[c];
     }
 
-    std::array<double, cluster_size> increment{};
-    for (std::size_t k = 0; k < count;) {  // runs of equal material; nearly always one
-      const int id = static_cast<int>(material_of[i0 + k]);
-      std::size_t end = k + 1;
-      while (end < count && static_cast<int>(material_of[i0 + end]) == id) ++end;
-      const Material& m = materials_[id];
-      if (m.flow) {
-        const FlowBatch batch{static_cast<int>(end - k),
-                              &trial[k],
-                              plastic_strain + i0 + k,
-                              temperature + i0 + k,
-                              dt,
-                              shear[k],
-                              &increment[k],
-                              flow_stress + i0 + k};
-        counters_.return_map_iterations += m.flow->return_map(batch);
-      }
-      k = end;
-    }
+    counters_.return_map_iterations += return_map(materials_, f, i0, count, trial.data(), dt, increment.data());
 
-    const double diffusion_scale = 2 * settings_.density_diffusion * smoothing_length() * wave_speed() * dt;
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t i = i0 + k;
-      const Material& m = materials_[static_cast<int>(material_of[i])];
-      const double old_pressure = -bulk[k] * strain[i];
-      const double deformed = dt * rate[k];
-      const double smoothed = settings_.density_diffusion > 0 ? diffusion_scale * block.diffusion[i - first] : 0.0;
-      strain[i] += deformed + smoothed;
-      volume[i] = mass[i] / m.density * std::exp(strain[i]);
-      const double mean = bulk[k] * strain[i];
-      if (settings_.variable_h) smoothing[i] = smoothing_length() * std::exp(strain[i] / dim);
+    for (std::size_t p = 0; p < parts && p * lanes < count; ++p) {
+      const std::size_t at = i0 + p * lanes, filled = std::min(lanes, count - p * lanes);
+      const Lanes bulk = constant(&MaterialConstants::bulk, at), flow = load(f.flow_stress + at),
+                  plastic_increment = load(&increment[p * lanes]);
+      Lanes strain = load(f.strain + at);
+      const Lanes old_pressure = -bulk * strain, deformed = dt * dilatation[p];
+      const Lanes smoothed = diffusive ? Lanes(diffusion_scale * load(&block.diffusion[at - first])) : Lanes(0.0);
+      strain += deformed + smoothed;
+      Lanes volume = load(f.mass + at) / constant(&MaterialConstants::density, at) * exponential(strain);
+      const Lanes mean = bulk * strain;
+      store(strain, f.strain + at, filled);
+      store(volume, f.volume + at, filled);
+      if (settings_.variable_h)
+        store(smoothing_length() * exponential(Lanes(strain * (1.0 / dim))), f.smoothing + at, filled);
 
-      double s[components], total[components], tensile[components];
-      for (int c = 0; c < components; ++c) s[c] = s_trial[c][k];
-      double end_work = trial_work[k];
-      if (increment[k] > 0) {
-        double old[components];
-        for (int c = 0; c < components; ++c) old[c] = s_old[c][k];
-        plastic_return<S>(old, flow_stress[i], s);
-        end_work = 0;
-        for (int c = 0; c < components; ++c) end_work += (c < 3 ? dt : 2 * dt) * s[c] * strain_rate[c][k];
+      const auto yields = plastic_increment > Lanes(0.0);
+      Lanes end_work = trial_work[p];
+      if (stdx::any_of(yields)) {
+        Lanes returned[components], work = 0.0;
+        for (int c = 0; c < components; ++c) returned[c] = s[p][c];
+        plastic_return<S>(turned[p], flow, returned);
+        for (int c = 0; c < components; ++c) {
+          s[p][c] = select(yields, returned[c], s[p][c]);
+          work += (c < 3 ? dt : 2 * dt) * s[p][c] * rate[p][c];
+        }
+        end_work = select(yields, work, end_work);
+        counters_.yielding += stdx::popcount(yields);
       }
+      Lanes total[components];
       for (int c = 0; c < components; ++c) {
-        deviator[c][i] = s[c];
-        total[c] = deviator[c][i] + (c < 3 ? mean : 0.0);
-        stress[c][i] = total[c];
+        total[c] = c < 3 ? Lanes(s[p][c] + mean) : s[p][c];
+        store(s[p][c], f.deviator[c] + at, filled);
+        store(total[c], f.stress[c] + at, filled);
       }
-      if (artificial) {
-        artificial_stress<S>(total, settings_.artificial_stress, tensile);
-        for (int c = 0; c < components; ++c) extra[c][i] = tensile[c];
-      }
-
       if (full)
         for (int a = 0; a < dim; ++a)
           for (int b = 0; b < dim; ++b) {
-            double sum = 0;
+            Lanes sum = 0.0;
             for (int c = 0; c < dim; ++c)
-              sum += total[symmetric_index(std::min(a, c), std::max(a, c))] * block.correction[c * dim + b][i - first];
-            corrected[a * dim + b][i] = sum;
+              sum += total[symmetric_index(std::min(a, c), std::max(a, c))] *
+                     load(&block.correction[c * dim + b][at - first]);
+            store(sum, f.corrected[a * dim + b] + at, filled);
           }
 
       // Work per volume: strain times the mean of old and new stress; what is not plastic is stored.
-      const double deviatoric_work = 0.5 * (old_work[k] + end_work);
-      const double plastic = increment[k] > 0 ? increment[k] * flow_stress[i] : 0.0;
-      const double pressure_work = -0.5 * (old_pressure - mean) * deformed;
-      ledger_.plastic += plastic * volume[i];
-      ledger_.elastic += (deviatoric_work - plastic + pressure_work) * volume[i];
-      ledger_.diffusion += 0.5 * (old_pressure - mean) * smoothed * volume[i];
-      plastic_strain[i] += increment[k];
-      plastic_rate[i] = increment[k] / dt;
-      if (increment[k] > 0) {
-        counters_.yielding += 1;
-        const double heat = m.taylor_quinney * plastic * volume[i];
-        ledger_.plastic_heat += heat;
-        if (heat_input) heat_input[i] += heat;
-      }
+      stdx::where(lane_numbers() >= Lanes(static_cast<double>(filled)), volume) = 0.0;
+      const Lanes deviatoric_work = 0.5 * (old_work[p] + end_work);
+      const Lanes plastic = select(yields, Lanes(plastic_increment * flow), Lanes(0.0));
+      const Lanes pressure_work = -0.5 * (old_pressure - mean) * deformed;
+      const Lanes heat = constant(&MaterialConstants::taylor_quinney, at) * plastic * volume;
+      plastic_work += plastic * volume;
+      elastic_work += (deviatoric_work - plastic + pressure_work) * volume;
+      diffusion_work += 0.5 * (old_pressure - mean) * smoothed * volume;
+      plastic_heat += heat;
+      store(load(f.plastic_strain + at) + plastic_increment, f.plastic_strain + at, filled);
+      store(plastic_increment * (1 / dt), f.plastic_rate + at, filled);
+      if (f.heat_input) store(load(f.heat_input + at) + heat, f.heat_input + at, filled);
     }
+
+    if (artificial)
+      for (std::size_t k = 0; k < count; ++k) {
+        double total[components], tensile[components];
+        for (int c = 0; c < components; ++c) total[c] = f.stress[c][i0 + k];
+        artificial_stress<S>(total, settings_.artificial_stress, tensile);
+        for (int c = 0; c < components; ++c) f.extra[c][i0 + k] = tensile[c];
+      }
   }
+  ledger_.plastic += sum_of(plastic_work);
+  ledger_.elastic += sum_of(elastic_work);
+  ledger_.diffusion += sum_of(diffusion_work);
+  ledger_.plastic_heat += sum_of(plastic_heat);
 }
 
 template void MechanicsIn<Cartesian3>::update_block(ParticleSet&, const GradientBlock<Cartesian3>&, std::size_t,

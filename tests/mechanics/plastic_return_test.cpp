@@ -60,7 +60,9 @@ TEST(PlasticReturn, AsManySmallSteps) {
         double s[6];
         for (int c = 0; c < 6; ++c) s[c] = start[c] + increment[c];
         if (std::sqrt(contraction<Cartesian3>(s, s)) <= radius) continue;  // elastic
-        plastic_return<Cartesian3>(start.data(), flow_stress, s);
+        double turned[6];
+        std::copy(start.begin(), start.end(), turned);
+        plastic_return<Cartesian3>(turned, flow_stress, s);
         // Extrapolated to n = infinity; what is left is of order 1/n^2, and the kink at first yield.
         constexpr int n = 20000;
         const Deviator once = small_steps(start, increment, radius, n),

@@ -37,6 +37,9 @@ LatticeBody disordered_body(int count, double h_over_dx, double support, double 
     p[field::smoothing_length][i] = h_over_dx * spacing * (1 + 0.09 * even(random));
     p[field::volumetric_strain][i] = 0.05 * even(random);
     p[field::material][i] = static_cast<int>(p[field::id][i]) % 2;
+    // As in a run: density is mass over volume and follows from the strain.
+    p[field::mass][i] = (p[field::material][i] == 0 ? 2785 : 8960) * p[field::volume][i] *
+                        std::exp(-p[field::volumetric_strain][i]);
     for (int d = 0; d < S::velocity_components; ++d) p.component(field::velocity, d)[i] = 10 * even(random);
     for (int c = 0; c < S::stress_components; ++c) {
       p.component(field::stress, c)[i] = 1e8 * even(random);
@@ -77,10 +80,12 @@ GradientResult<S> swept_gradient(const ParticleSet& p, const PairList& pairs, do
   const AlignedVector records = gradient_records<S, VariableH>(p);
   GradientResult<S> result;
   GradientBlock<S> block{};
+  ActivePairs active;
+  active.begin(pairs, p.clusters() * (cluster_size / lanes));
   for (std::size_t first = 0; first < p.clusters(); first += GradientBlock<S>::clusters) {
     const std::size_t last = std::min(first + GradientBlock<S>::clusters, p.clusters());
     result.fallbacks += velocity_gradient_sweep<S, K, Corrected, Diffusion, VariableH, Keep>(
-        records, pairs, first, last, p.owned(), smoothing, block);
+        records, pairs, first, last, p.owned(), smoothing, block, active);
     for (std::size_t i = first * cluster_size; i < std::min(last * cluster_size, p.owned()); ++i) {
       Matrix<dim>& gradient = result.gradient.emplace_back();
       Matrix<dim>& correction = result.correction.emplace_back();
