@@ -38,8 +38,8 @@ LatticeBody disordered_body(int count, double h_over_dx, double support, double 
     p[field::volumetric_strain][i] = 0.05 * even(random);
     p[field::material][i] = static_cast<int>(p[field::id][i]) % 2;
     // As in a run: density is mass over volume and follows from the strain.
-    p[field::mass][i] = (p[field::material][i] == 0 ? 2785 : 8960) * p[field::volume][i] *
-                        std::exp(-p[field::volumetric_strain][i]);
+    p[field::mass][i] =
+        (p[field::material][i] == 0 ? 2785 : 8960) * p[field::volume][i] * std::exp(-p[field::volumetric_strain][i]);
     for (int d = 0; d < S::velocity_components; ++d) p.component(field::velocity, d)[i] = 10 * even(random);
     for (int c = 0; c < S::stress_components; ++c) {
       p.component(field::stress, c)[i] = 1e8 * even(random);
