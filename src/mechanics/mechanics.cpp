@@ -139,7 +139,7 @@ template <class S>
 void MechanicsIn<S>::update_stress(ParticleSet& particles, const PairList& pairs, double dt) {
   counters_ = {};
   pack_gradient_records(particles);
-  active_.begin(pairs, particles.clusters() * (cluster_size / lanes));
+  active_.begin(pairs, particles.owned());
   GradientBlock<S> block;
   for (std::size_t first = 0; first < particles.clusters(); first += GradientBlock<S>::clusters) {
     const std::size_t last = std::min(first + GradientBlock<S>::clusters, particles.clusters());
@@ -153,12 +153,17 @@ template <class S>
 void MechanicsIn<S>::update_acceleration(ParticleSet& particles, const PairList& pairs, double dt) {
   pack_momentum_records(particles);
   std::array<double*, S::dim> force;
-  for (int d = 0; d < S::dim; ++d) force[d] = particles.component(field::acceleration, d).data();
+  for (int d = 0; d < S::dim; ++d) {
+    const auto component = particles.component(field::acceleration, d);
+    std::fill(component.begin(), component.end(), 0.0);
+    force[d] = component.data();
+  }
   const bool artificial = settings_.artificial_stress > 0;
   dissipation_.resize(particles.capacity());
   if (artificial) artificial_power_.resize(particles.capacity());
   const MomentumConstants constants{smoothing_length(), settings_.spacing, settings_.viscosity_alpha,
-                                    settings_.viscosity_beta};
+                                 settings_.viscosity_beta};
+  if (!active_.valid()) active_.take_all(pairs, particles.owned());
   sweep_momentum(pairs, particles.clusters(), constants, force.data(), dissipation_.data(), artificial_power_.data());
   active_.expire();
   const auto mass = particles[field::mass];

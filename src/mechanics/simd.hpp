@@ -44,6 +44,30 @@ inline Lanes exponential(const Lanes& x) {
 #endif
 }
 
+/// The sums over the lanes of `lanes` registers, which stand one behind the other in `rows`; in a fixed order.
+inline void sum_rows(const double* rows, double* sums) {
+#if defined(__AVX512F__) && defined(__x86_64__)
+  const auto row = [&](int k) { return _mm512_load_pd(rows + 8 * k); };
+  const auto pair = [](__m512d a, __m512d b) {
+    return _mm512_add_pd(_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
+  };
+  const auto halve = [](__m512d a, __m512d b) {
+    return _mm512_add_pd(_mm512_shuffle_f64x2(a, b, 0x88), _mm512_shuffle_f64x2(a, b, 0xdd));
+  };
+  _mm512_store_pd(sums, halve(halve(pair(row(0), row(1)), pair(row(2), row(3))),
+                              halve(pair(row(4), row(5)), pair(row(6), row(7)))));
+#elif defined(__AVX2__) && defined(__x86_64__)
+  const auto row = [&](int k) { return _mm256_load_pd(rows + 4 * k); };
+  const __m256d a = _mm256_hadd_pd(row(0), row(1)), b = _mm256_hadd_pd(row(2), row(3));
+  _mm256_store_pd(sums, _mm256_add_pd(_mm256_permute2f128_pd(a, b, 0x20), _mm256_permute2f128_pd(a, b, 0x31)));
+#else
+  for (std::size_t k = 0; k < lanes; ++k) {
+    sums[k] = 0;
+    for (std::size_t lane = 0; lane < lanes; ++lane) sums[k] += rows[k * lanes + lane];
+  }
+#endif
+}
+
 /// A row-major N x N matrix of doubles or lanes.
 template <class T, int N>
 struct LaneMatrix {
