@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/log.hpp"
+#include "base/simd.hpp"
 #include "driver/diagnostics.hpp"
 #include "driver/probes.hpp"
 #include "driver/simulation.hpp"
@@ -19,7 +20,6 @@
 #include "io/history.hpp"
 #include "io/rigid_snapshot.hpp"
 #include "io/snapshot.hpp"
-#include "mechanics/simd.hpp"
 #include "particles/field_names.hpp"
 
 namespace stirsph {

@@ -18,13 +18,15 @@
 #include <span>
 #include <vector>
 
+#include "mechanics/lane_matrix.hpp"
 #include "mechanics/settings.hpp"
-#include "mechanics/simd.hpp"
 #include "neighbours/pair_list.hpp"
 #include "particles/field_names.hpp"
 #include "particles/particle_set.hpp"
 
 namespace stirsph {
+
+static_assert(cluster_size % lanes == 0, "a cluster is a whole number of SIMD registers");
 
 constexpr int padded_record(int size) { return (size + 7) / 8 * 8; }
 

@@ -1,5 +1,5 @@
-/// SIMD lanes and tiny matrices over them. Everything here works for double as well, so that a single material point
-/// runs through the same code as a cluster.
+/// SIMD lanes. Everything here works for double as well, so that a single material point runs through the same code as
+/// a cluster.
 #pragma once
 
 #include <cmath>
@@ -9,15 +9,11 @@
 #include <immintrin.h>
 #endif
 
-#include "base/tensor.hpp"
-#include "particles/particle_set.hpp"
-
 namespace stirsph {
 
 namespace stdx = std::experimental;
 using Lanes = stdx::native_simd<double>;
 inline constexpr std::size_t lanes = Lanes::size();
-static_assert(cluster_size % lanes == 0, "a cluster is a whole number of SIMD registers");
 
 /// mask ? a : b, lane by lane.
 inline double select(bool mask, double a, double b) { return mask ? a : b; }
@@ -28,11 +24,16 @@ inline Lanes select(const Lanes::mask_type& mask, const Lanes& a, Lanes b) {
 
 #if defined(__AVX512F__) && defined(__x86_64__)
 extern "C" __m512d _ZGVeN8v_exp(__m512d);
+extern "C" __m512d _ZGVeN8v_log(__m512d);
+extern "C" __m512d _ZGVeN8vv_pow(__m512d, __m512d);
 #elif defined(__AVX2__) && defined(__x86_64__)
 extern "C" __m256d _ZGVdN4v_exp(__m256d);
+extern "C" __m256d _ZGVdN4v_log(__m256d);
+extern "C" __m256d _ZGVdN4vv_pow(__m256d, __m256d);
 #endif
 
-/// e^x, with glibc's vector functions (at most 4 units in the last place off) where the lanes are as wide as those.
+// e^x, ln x and x^y, with glibc's vector functions (at most 4 units in the last place off) where the lanes are as wide
+// as those.
 inline double exponential(double x) { return std::exp(x); }
 inline Lanes exponential(const Lanes& x) {
 #if defined(__AVX512F__) && defined(__x86_64__)
@@ -42,6 +43,41 @@ inline Lanes exponential(const Lanes& x) {
 #else
   return stdx::exp(x);
 #endif
+}
+
+inline double logarithm(double x) { return std::log(x); }
+inline Lanes logarithm(const Lanes& x) {
+#if defined(__AVX512F__) && defined(__x86_64__)
+  return Lanes(_ZGVeN8v_log(static_cast<__m512d>(x)));
+#elif defined(__AVX2__) && defined(__x86_64__)
+  return Lanes(_ZGVdN4v_log(static_cast<__m256d>(x)));
+#else
+  return stdx::log(x);
+#endif
+}
+
+inline double power(double x, double y) { return std::pow(x, y); }
+inline Lanes power(const Lanes& x, double y) {
+#if defined(__AVX512F__) && defined(__x86_64__)
+  return Lanes(_ZGVeN8vv_pow(static_cast<__m512d>(x), static_cast<__m512d>(Lanes(y))));
+#elif defined(__AVX2__) && defined(__x86_64__)
+  return Lanes(_ZGVdN4vv_pow(static_cast<__m256d>(x), static_cast<__m256d>(Lanes(y))));
+#else
+  return stdx::pow(x, Lanes(y));
+#endif
+}
+
+/// The first `count` lanes from memory, the others `fill`; and back.
+inline Lanes load_lanes(const double* from, std::size_t count, double fill) {
+  if (count >= lanes) return Lanes(from, stdx::element_aligned);
+  return Lanes([&](auto lane) { return lane < count ? from[lane] : fill; });
+}
+inline void store_lanes(const Lanes& values, double* to, std::size_t count) {
+  if (count >= lanes) {
+    values.copy_to(to, stdx::element_aligned);
+  } else {
+    for (std::size_t lane = 0; lane < count; ++lane) to[lane] = values[lane];
+  }
 }
 
 /// The sums over the lanes of `lanes` registers, which stand one behind the other in `rows`; in a fixed order.
@@ -66,51 +102,6 @@ inline void sum_rows(const double* rows, double* sums) {
     for (std::size_t lane = 0; lane < lanes; ++lane) sums[k] += rows[k * lanes + lane];
   }
 #endif
-}
-
-/// A row-major N x N matrix of doubles or lanes.
-template <class T, int N>
-struct LaneMatrix {
-  T a[N][N];
-};
-
-template <class T, int N>
-LaneMatrix<T, N> multiply(const LaneMatrix<T, N>& a, const LaneMatrix<T, N>& b) {
-  LaneMatrix<T, N> c;
-  for (int i = 0; i < N; ++i)
-    for (int j = 0; j < N; ++j) {
-      T sum = a.a[i][0] * b.a[0][j];
-      for (int k = 1; k < N; ++k) sum += a.a[i][k] * b.a[k][j];
-      c.a[i][j] = sum;
-    }
-  return c;
-}
-
-template <class T>
-T determinant(const LaneMatrix<T, 2>& m) {
-  return m.a[0][0] * m.a[1][1] - m.a[0][1] * m.a[1][0];
-}
-template <class T>
-T determinant(const LaneMatrix<T, 3>& m) {
-  return m.a[0][0] * (m.a[1][1] * m.a[2][2] - m.a[1][2] * m.a[2][1]) -
-         m.a[0][1] * (m.a[1][0] * m.a[2][2] - m.a[1][2] * m.a[2][0]) +
-         m.a[0][2] * (m.a[1][0] * m.a[2][1] - m.a[1][1] * m.a[2][0]);
-}
-
-/// Transposed cofactors: inverse = adjugate/determinant.
-template <class T>
-LaneMatrix<T, 2> adjugate(const LaneMatrix<T, 2>& m) {
-  return {{{m.a[1][1], -m.a[0][1]}, {-m.a[1][0], m.a[0][0]}}};
-}
-template <class T>
-LaneMatrix<T, 3> adjugate(const LaneMatrix<T, 3>& m) {
-  LaneMatrix<T, 3> r;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      r.a[j][i] = m.a[i1][j1] * m.a[i2][j2] - m.a[i1][j2] * m.a[i2][j1];
-    }
-  return r;
 }
 
 }  // namespace stirsph
