@@ -4,15 +4,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <limits>
 
 #include "driver/diagnostics.hpp"
 #include "driver/simulation.hpp"
 #include "io/files.hpp"
 #include "io/history.hpp"
 #include "io/snapshot.hpp"
+#include "mechanics/simd.hpp"
 #include "particles/field_names.hpp"
 
 namespace stirsph::bench {
@@ -22,17 +21,31 @@ constexpr int warming_steps = 3;
 
 Phase over_ranks(const Comm& comm, double own) { return {comm.min(own), comm.sum(own) / comm.size(), comm.max(own)}; }
 
-double mean_neighbours(const Simulation& simulation) {
+/// Who is within the support of whom, at this moment.
+struct Reach {
+  double neighbours = 0;  ///< mean per particle, self not counted
+  double reached = 0;     ///< mean per register: candidates that one of its particles reaches
+};
+
+Reach count_reach(const Simulation& simulation) {
   const ParticleSet& particles = simulation.particles();
   const PairList& pairs = simulation.neighbourhood().pairs();
   const double support = simulation.mechanics()->support(particles);
-  double count = 0;
-  for (std::size_t c = 0; c < pairs.clusters(); ++c)
-    for (std::size_t i = c * cluster_size; i < std::min((c + 1) * cluster_size, particles.owned()); ++i)
-      for (const std::int32_t j : pairs.candidates(c))
-        count += static_cast<std::size_t>(j) != i &&
-                 norm(particles.vector_at(field::position, i) - particles.vector_at(field::position, j)) < support;
-  return simulation.comm().sum(count) / static_cast<double>(simulation.particle_count());
+  double neighbours = 0, reached = 0, registers = 0;
+  for (std::size_t first = 0; first < particles.owned(); first += lanes) {
+    registers += 1;
+    for (const std::int32_t j : pairs.candidates(first / cluster_size)) {
+      const Vec3 other = particles.vector_at(field::position, static_cast<std::size_t>(j));
+      int near = 0;
+      for (std::size_t i = first; i < std::min(first + lanes, particles.owned()); ++i)
+        near += norm(particles.vector_at(field::position, i) - other) < support;
+      neighbours += near;
+      reached += near > 0;
+    }
+  }
+  const Comm& comm = simulation.comm();
+  return {comm.sum(neighbours) / static_cast<double>(simulation.particle_count()) - 1,
+          comm.sum(reached) / comm.sum(registers)};
 }
 
 /// A folder of the system's temporary place for as long as this lives. Collective.
@@ -87,6 +100,14 @@ double output_per_step(const Simulation& simulation) {
   return seconds;
 }
 
+double seconds_of_a_rebuild(Simulation& simulation) {
+  const Comm& comm = simulation.comm();
+  comm.barrier();
+  const double start = wall_seconds();
+  simulation.renew_neighbours_now();
+  return comm.sum(wall_seconds() - start) / comm.size();
+}
+
 Window time_window(Simulation& simulation, int steps) {
   const Comm& comm = simulation.comm();
   const PhaseTimers before = simulation.timers();
@@ -108,6 +129,8 @@ Window time_window(Simulation& simulation, int steps) {
     window.phases[phase] = over_ranks(comm, own);
     timed += own;
   }
+  window.rebuild_seconds = window.rebuilds > 0 ? window.mean("neighbours") / static_cast<double>(window.rebuilds)
+                                               : seconds_of_a_rebuild(simulation);
   window.phases["output"] = over_ranks(comm, output);
   window.phases["other"] = over_ranks(comm, stepping - timed);
   return window;
@@ -121,7 +144,9 @@ void describe(const Simulation& simulation, Measurement& result) {
   result.ranks = comm.size();
   result.spacing = simulation.scene().numerics.spacing;
   result.dt = simulation.clock().dt;
-  result.neighbours = mean_neighbours(simulation);
+  const Reach reach = count_reach(simulation);
+  result.neighbours = reach.neighbours;
+  result.reached = reach.reached;
   result.candidates = cluster_size * per_particle(simulation.neighbourhood().pairs().size());
   result.yielding = per_particle(simulation.mechanics()->counters().yielding);
   result.memory = {per_particle(simulation.particles().bytes()), per_particle(simulation.neighbourhood().bytes()),
@@ -148,9 +173,7 @@ double Measurement::rate(const Window& window) const {
 
 double Measurement::rebuild_cost_steps() const {
   const Window& window = median();
-  if (window.rebuilds == 0) return std::numeric_limits<double>::quiet_NaN();
-  const double rebuilding = window.mean("neighbours");
-  return rebuilding / static_cast<double>(window.rebuilds) / ((window.seconds - rebuilding) / steps);
+  return window.rebuild_seconds / ((window.seconds - window.mean("neighbours")) / steps);
 }
 
 double Measurement::steps_per_list() const {

@@ -19,8 +19,9 @@ struct Phase {
 /// snapshots that falls on the window at the scene's intervals (each is written once after the window and timed), and
 /// "other", what no timer saw. All phases together are `seconds` on each rank.
 struct Window {
-  double seconds = 0;  ///< wall time with output, of the slowest rank
-  long rebuilds = 0;   ///< of the pair list
+  double seconds = 0;          ///< wall time with output, of the slowest rank
+  long rebuilds = 0;           ///< of the pair list
+  double rebuild_seconds = 0;  ///< of one rebuild, mean over ranks; of one made after the window if it saw none
   std::map<std::string, Phase> phases;
 
   /// Mean seconds of a phase; 0 when it did not occur.
@@ -39,6 +40,7 @@ struct Measurement {
   double spacing = 0, dt = 0;  ///< m; s, of the last step
   double neighbours = 0;       ///< mean number within the support, self not counted
   double candidates = 0;       ///< mean length of a cluster's list
+  double reached = 0;          ///< mean number of these that a particle of a SIMD register reaches
   double yielding = 0;         ///< share of the particles
   Memory memory;
   std::vector<Window> windows;  ///< in the order measured
@@ -47,7 +49,7 @@ struct Measurement {
   const Window& median() const;
   /// Particle-steps per second and rank.
   double rate(const Window& window) const;
-  /// Seconds of one list rebuild over seconds of one step without; NaN when the window saw no rebuild.
+  /// Seconds of one list rebuild over seconds of one step without.
   double rebuild_cost_steps() const;
   /// Steps over rebuilds, all windows; when there was no rebuild, the number of steps, a lower bound.
   double steps_per_list() const;

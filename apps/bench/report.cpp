@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "driver/run.hpp"
@@ -22,8 +21,7 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
-/// A JSON number; null for what has no value.
-std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.9g}", value) : "null"; }
+std::string number(double value) { return fmt::format("{:.9g}", value); }
 
 std::string origin_json(int ranks) {
   const Processor cpu = processor();
@@ -87,14 +85,14 @@ std::string json_report(const Options& options, const Measurement& m) {
                           number(phase.least), number(phase.mean), number(phase.most));
   return fmt::format(
       R"({{{}, {}, "particles": {}, "spacing": {}, "dt": {}, "steps": {}, "seconds": {}, "rebuilds": {},
-"particle_steps_per_s_per_core": {}, "rates": [{}], "neighbours": {}, "candidates_per_cluster": {}, "yielding": {},
+"particle_steps_per_s_per_core": {}, "rates": [{}], "neighbours": {}, "candidates_per_cluster": {}, "reached_per_register": {}, "yielding": {},
 "bytes_per_particle": {}, "bytes": {{"particles": {}, "list": {}, "mechanics": {}}},
 "rebuild_cost_steps": {}, "steps_per_list": {}, "step_overhead_us": {}, "service_share": {},
 "phases": {{{}}}}}
 )",
       origin_json(m.ranks), options_json(options), m.particles, number(m.spacing), number(m.dt), m.steps,
       number(median.seconds), median.rebuilds, number(m.rate(median)), rates, number(m.neighbours),
-      number(m.candidates), number(m.yielding), number(m.memory.total()), number(m.memory.particles),
+      number(m.candidates), number(m.reached), number(m.yielding), number(m.memory.total()), number(m.memory.particles),
       number(m.memory.list), number(m.memory.mechanics), number(m.rebuild_cost_steps()), number(m.steps_per_list()),
       number(m.step_overhead_us()), number(m.service_share()), phases);
 }
