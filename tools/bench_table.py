@@ -16,6 +16,9 @@ from pathlib import Path
 
 from bench_compare import ROOT, BenchError, positive, record_of
 
+# A run that had a processor for less of its time than this was disturbed by others.
+IDLE = 0.98
+
 # Best open peer on one core of a Zen 5 machine: LAMMPS MACHDYN (updated Lagrangian, develop of 2024-09-20), the same
 # Taylor bar, 66,170 particles, 73.1 neighbours; median particle-steps/s without and with gradient correction.
 PEER = {"none": 0.604e6, "velocity": 0.458e6}
@@ -174,6 +177,10 @@ def main():
     print(machine_text(bench("machine")))
     if portable:
         print(machine_text(portable("machine")))
+    for record in [*bench.records.values(), *(portable.records.values() if portable else [])]:
+        if record.get("cpu_share", 1) < IDLE:
+            print(f"disturbed: {record['scene']} on {record['ranks']} rank(s) had a processor for only "
+                  f"{100 * record['cpu_share']:.0f} % of the time")
     if options.particles:
         print(f"a trial with about {options.particles} particles: the targets do not apply")
     print_table("Speed", ["figure", "target", "measured", "reached"], speed, options.markdown)

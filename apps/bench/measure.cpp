@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <ctime>
 #include <filesystem>
 
 #include "driver/diagnostics.hpp"
@@ -18,6 +19,13 @@ namespace stirsph::bench {
 namespace {
 
 constexpr int warming_steps = 3;
+
+/// Processor time of this process so far; waiting for a message counts, waiting for a processor does not.
+double processor_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 Phase over_ranks(const Comm& comm, double own) { return {comm.min(own), comm.sum(own) / comm.size(), comm.max(own)}; }
 
@@ -113,15 +121,17 @@ Window time_window(Simulation& simulation, int steps) {
   const PhaseTimers before = simulation.timers();
   const long rebuilds = simulation.neighbourhood().rebuilds();
   comm.barrier();
-  const double start = wall_seconds();
+  const double start = wall_seconds(), served = processor_seconds();
   for (int k = 0; k < steps; ++k) simulation.step();
   comm.barrier();
   const double stepping = wall_seconds() - start;
+  const double share = (processor_seconds() - served) / stepping;
   const double output = steps * output_per_step(simulation);
 
   Window window;
   window.seconds = comm.max(stepping + output);
   window.rebuilds = simulation.neighbourhood().rebuilds() - rebuilds;
+  window.cpu_share = comm.min(share);
   double timed = 0;
   for (const auto& [phase, total] : simulation.timers().seconds()) {
     const auto found = before.seconds().find(phase);

@@ -22,6 +22,7 @@ struct Window {
   double seconds = 0;          ///< wall time with output, of the slowest rank
   long rebuilds = 0;           ///< of the pair list
   double rebuild_seconds = 0;  ///< of one rebuild, mean over ranks; of one made after the window if it saw none
+  double cpu_share = 0;        ///< of the wall time that the least served rank had a processor; 1 on an idle machine
   std::map<std::string, Phase> phases;
 
   /// Mean seconds of a phase; 0 when it did not occur.

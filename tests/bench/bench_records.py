@@ -40,12 +40,14 @@ def check_record(record, scene, correction, ranks):
     assert {"stress", "forces", "integration", "vote", "halo", "output", "other"} | PHASES[scene] <= phases.keys()
     for name, phase in phases.items():
         assert phase["min"] <= phase["mean"] * (1 + 1e-6) + 1e-9 and phase["mean"] <= phase["max"] * (1 + 1e-6) + 1e-9, name
-    # Every rank's phases fill its window; ranks leave the last barrier within a scheduler's pause of each other.
-    assert abs(sum(phase["mean"] for phase in phases.values()) - seconds) < 0.02 + 0.01 * seconds
+    # A rank's phases fill its own window; the slowest rank's is reported.
+    filled = sum(phase["mean"] for phase in phases.values())
+    assert filled <= seconds * (1 + 1e-6) and (ranks > 1 or close(filled, seconds)), (filled, seconds)
     sweeps = phases["stress"]["mean"] + phases["forces"]["mean"]
     rebuilding = phases.get("neighbours", {"mean": 0})["mean"]
     assert close(record["step_overhead_us"], 1e6 * (seconds - sweeps - rebuilding) / STEPS, 1e-4)
     assert (record["rebuilds"] > 0) == ("neighbours" in phases)
+    assert 0 < record["cpu_share"] < 1.05  # two clocks
     assert 0 < record["service_share"] < 1 and (phases["output"]["mean"] > 0) == (scene == "extrusion")
 
 
