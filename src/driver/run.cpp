@@ -354,6 +354,8 @@ std::string version_text() {
                      lanes);
 }
 
+std::string source_commit() { return STIRSPH_COMMIT; }
+
 ExitCode run_scene(const Comm& comm, const Scene& scene, const RunOptions& options) {
   return Run(comm, scene, options).execute();
 }
