@@ -22,6 +22,9 @@ inline Lanes select(const Lanes::mask_type& mask, const Lanes& a, Lanes b) {
   return b;
 }
 
+inline bool any(bool mask) { return mask; }
+inline bool any(const Lanes::mask_type& mask) { return stdx::any_of(mask); }
+
 #if defined(__AVX512F__) && defined(__x86_64__)
 extern "C" __m512d _ZGVeN8v_exp(__m512d);
 extern "C" __m512d _ZGVeN8v_log(__m512d);

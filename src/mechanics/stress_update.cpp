@@ -149,6 +149,11 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
         store_lanes(s[p][c], f.deviator[c] + at, filled);
         store_lanes(total[c], f.stress[c] + at, filled);
       }
+      if (artificial) {
+        Lanes tensile[components];
+        artificial_stress<S>(total, settings_.artificial_stress, tensile);
+        for (int c = 0; c < components; ++c) store_lanes(tensile[c], f.extra[c] + at, filled);
+      }
       if (full)
         for (int a = 0; a < dim; ++a)
           for (int b = 0; b < dim; ++b) {
@@ -173,14 +178,6 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
       store_lanes(plastic_increment * (1 / dt), f.plastic_rate + at, filled);
       if (f.heat_input) store_lanes(load(f.heat_input + at) + heat, f.heat_input + at, filled);
     }
-
-    if (artificial)
-      for (std::size_t k = 0; k < count; ++k) {
-        double total[components], tensile[components];
-        for (int c = 0; c < components; ++c) total[c] = f.stress[c][i0 + k];
-        artificial_stress<S>(total, settings_.artificial_stress, tensile);
-        for (int c = 0; c < components; ++c) f.extra[c][i0 + k] = tensile[c];
-      }
   }
   ledger_.plastic += sum_of(plastic_work);
   ledger_.elastic += sum_of(elastic_work);
