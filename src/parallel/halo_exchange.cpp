@@ -1,8 +1,8 @@
 #include "parallel/halo_exchange.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
-#include <unordered_map>
 
 #include "parallel/cell_table.hpp"
 #include "particles/field_names.hpp"
@@ -29,16 +29,22 @@ std::vector<Destination> destinations_from(const CellTable& cells, std::int64_t 
 }  // namespace
 
 void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double reach) {
-  std::unordered_map<std::int64_t, std::vector<Destination>> cache;
+  KeyNumbers numbers;
+  std::vector<std::vector<Destination>> destinations;  // per number
   std::map<int, Route> routes;
   bool shifted = false;
-  for (std::size_t i = 0; i < particles.owned(); ++i) {
-    const Vec3 x = particles.vector_at(field::position, i);
+  std::array<const double*, 3> position{};
+  for (int d = 0; d < cells.domain().dim; ++d) position[d] = particles.component(field::position, d).data();
+  const bool nobody = comm_.size() == 1 && !cells.domain().any_periodic();
+  std::vector<std::pair<int, Vec3>> sent_to;
+  for (std::size_t i = 0; i < particles.owned() && !nobody; ++i) {
+    Vec3 x;
+    for (int d = 0; d < cells.domain().dim; ++d) x[d] = position[d][i];
     const std::int64_t key = cells.key_of(x);
-    auto [found, fresh] = cache.try_emplace(key);
-    if (fresh) found->second = destinations_from(cells, key, comm_.rank());
-    std::vector<std::pair<int, Vec3>> sent_to;
-    for (const Destination& to : found->second) {
+    const std::size_t number = numbers.number(key);
+    if (number == destinations.size()) destinations.push_back(destinations_from(cells, key, comm_.rank()));
+    sent_to.clear();
+    for (const Destination& to : destinations[number]) {
       if (cells.distance_to_cell(x, to.cell) > reach) continue;
       const std::pair<int, Vec3> target{to.rank, to.shift};
       if (std::find(sent_to.begin(), sent_to.end(), target) != sent_to.end()) continue;
