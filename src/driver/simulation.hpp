@@ -160,9 +160,9 @@ class Simulation {
   PhaseTimers timers_;
   std::exception_ptr failure_;
   double time_since_heat_ = 0;
-  double displacement_ = 0, speed_ = 0, penetration_ = 0, least_h_ = 0;
+  double speed_ = 0, penetration_ = 0, least_h_ = 0;
   bool list_expired_ = false;
-  double farthest_ = 0;  ///< m, farthest owned particle from the origin at the last list build
+  double farthest_ = 0;  ///< m, farthest owned particle from the origin at the last vote or list build
 };
 
 }  // namespace stirsph
