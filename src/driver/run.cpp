@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/log.hpp"
+#include "base/simd.hpp"
 #include "driver/diagnostics.hpp"
 #include "driver/probes.hpp"
 #include "driver/simulation.hpp"
@@ -19,7 +20,6 @@
 #include "io/history.hpp"
 #include "io/rigid_snapshot.hpp"
 #include "io/snapshot.hpp"
-#include "mechanics/simd.hpp"
 #include "particles/field_names.hpp"
 
 namespace stirsph {
@@ -353,6 +353,8 @@ std::string version_text() {
   return fmt::format("StirSPH {} (commit {}), g++ {}, {} SIMD lanes", STIRSPH_VERSION, STIRSPH_COMMIT, __VERSION__,
                      lanes);
 }
+
+std::string source_commit() { return STIRSPH_COMMIT; }
 
 ExitCode run_scene(const Comm& comm, const Scene& scene, const RunOptions& options) {
   return Run(comm, scene, options).execute();

@@ -22,6 +22,8 @@ ExitCode run_scene(const Comm& comm, const Scene& scene, const RunOptions& optio
 
 /// Version line of the program: version, commit, compiler, libraries.
 std::string version_text();
+/// Commit the program was built from, with "-dirty" when the sources had been changed; "unknown" outside git.
+std::string source_commit();
 
 /// Installs handlers for SIGUSR1 and SIGTERM that ask the run to save and leave.
 void install_stop_signals();

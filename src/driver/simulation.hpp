@@ -64,6 +64,8 @@ class Simulation {
   void step();
   /// A heat solve out of turn, over the time since the last one; for measurements. Collective.
   void solve_heat_now();
+  /// New pair lists out of turn; for measurements. Collective.
+  void renew_neighbours_now() { renew_neighbours(); }
   bool finished() const;
 
   /// State that is not a particle field, for the checkpoint.

@@ -5,20 +5,20 @@
 /// batch.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 #include <string>
 
 #include "base/error.hpp"
+#include "base/simd.hpp"
 
 namespace stirsph {
 
-/// Flow stress and its slopes at one state.
+/// Flow stress and its slopes at one state, or at one in each lane.
+template <class T>
 struct FlowPoint {
-  double stress;        ///< Pa
-  double strain_slope;  ///< Pa, d stress / d plastic strain
-  double rate_slope;    ///< Pa s, d stress / d plastic strain rate
+  T stress;        ///< Pa
+  T strain_slope;  ///< Pa, d stress / d plastic strain
+  T rate_slope;    ///< Pa s, d stress / d plastic strain rate
 };
 
 /// A batch of particles of one material. Arrays have `count` entries.
@@ -50,12 +50,7 @@ class FlowStressOf final : public FlowStress {
 
   long return_map(const FlowBatch& b) const override {
     long iterations = 0;
-    for (int k = 0; k < b.count; ++k) {
-      const double still = model_.evaluate(b.plastic_strain[k], 0.0, b.temperature[k]).stress;
-      b.increment[k] = 0;
-      b.flow_stress[k] = still;
-      if (b.trial[k] > still) iterations += plastic(b, k, still);
-    }
+    for (int k = 0; k < b.count; k += static_cast<int>(lanes)) iterations += return_map(b, k);
     return iterations;
   }
   double value(double plastic_strain, double rate, double temperature) const override {
@@ -63,29 +58,51 @@ class FlowStressOf final : public FlowStress {
   }
 
  private:
-  /// Newton's method kept inside a shrinking bracket: the flow stress has a kink at the reference rate and an infinite
-  /// slope at zero plastic strain, where plain Newton may leave the interval.
-  long plastic(const FlowBatch& b, int k, double still) const {
-    const double three_g = 3 * b.shear_modulus, trial = b.trial[k];
-    constexpr double vanishing = 1e-290;  // below it the strain powers underflow
-    double low = 0, high = (trial - std::min(still, trial)) / three_g, x = high;
-    if (b.previous_rate)  // flow is steady more often than not
-      if (const double guess = b.previous_rate[k] * b.dt; guess > 0 && guess < high) x = guess;
-    for (long iteration = 1; iteration <= 200; ++iteration) {
-      const FlowPoint f = model_.evaluate(b.plastic_strain[k] + x, x / b.dt, b.temperature[k]);
-      const double residual = trial - three_g * x - f.stress;
-      (residual > 0 ? low : high) = x;
-      if (std::abs(residual) <= 1e-13 * trial || high - low <= 1e-15 * high || high < vanishing) {
-        b.increment[k] = x;
-        b.flow_stress[k] = trial - three_g * x;
-        return iteration;
+  /// Newton's method kept inside a shrinking bracket, in the lanes from particle k on: the flow stress has a kink at
+  /// the reference rate and an infinite slope at zero plastic strain, where plain Newton may leave the interval.
+  long return_map(const FlowBatch& b, int k) const {
+    const std::size_t count = static_cast<std::size_t>(b.count - k);
+    const Lanes trial = load_lanes(b.trial + k, count, 0.0), strain = load_lanes(b.plastic_strain + k, count, 0.0),
+                temperature = load_lanes(b.temperature + k, count, 300.0);
+    const Lanes still = model_.evaluate(strain, Lanes(0.0), temperature).stress;
+    Lanes increment = 0.0, strength = still;
+    auto flowing = trial > still;
+    long iterations = 0;
+    if (stdx::any_of(flowing)) {
+      const double three_g = 3 * b.shear_modulus;
+      constexpr double vanishing = 1e-290;  // below it the strain powers underflow
+      Lanes low = 0.0, high = (trial - min(still, trial)) / three_g, x = high;
+      if (b.previous_rate) {  // flow is steady more often than not
+        const Lanes guess = load_lanes(b.previous_rate + k, count, 0.0) * b.dt;
+        x = select(guess > 0.0 && guess < high, guess, x);
       }
-      const double newton = x + residual / (three_g + f.strain_slope + f.rate_slope / b.dt);
-      // Towards zero by decades: with a small hardening exponent a hair of overstress needs a strain of 1e-100 or less.
-      x = newton > low && newton < high ? newton : low > 0 ? 0.5 * (low + high) : 1e-3 * high;
+      for (int iteration = 1; stdx::any_of(flowing); ++iteration) {
+        iterations += stdx::popcount(flowing);
+        const FlowPoint<Lanes> f = model_.evaluate(strain + x, x / b.dt, temperature);
+        const Lanes residual = trial - three_g * x - f.stress;
+        stdx::where(residual > 0.0, low) = x;
+        stdx::where(!(residual > 0.0), high) = x;
+        const auto solved =
+            flowing && (abs(residual) <= 1e-13 * trial || high - low <= 1e-15 * high || high < vanishing);
+        stdx::where(solved, increment) = x;
+        stdx::where(solved, strength) = trial - three_g * x;
+        flowing = flowing && !solved;
+        if (iteration == 200 && stdx::any_of(flowing)) {
+          const int lane = stdx::find_first_set(flowing);
+          throw BlowUp("the return map did not converge (trial stress " + std::to_string(trial[lane]) +
+                       " Pa, plastic strain " + std::to_string(strain[lane]) + ", temperature " +
+                       std::to_string(temperature[lane]) + " K)");
+        }
+        const Lanes newton = x + residual / (three_g + f.strain_slope + f.rate_slope / b.dt);
+        // Towards zero by decades: with a small hardening exponent a hair of overstress needs a strain of 1e-100 or
+        // less.
+        const Lanes bisection = select(low > 0.0, 0.5 * (low + high), 1e-3 * high);
+        x = select(newton > low && newton < high, newton, bisection);
+      }
     }
-    throw BlowUp("the return map did not converge (trial stress " + std::to_string(trial) + " Pa, plastic strain " +
-                 std::to_string(b.plastic_strain[k]) + ", temperature " + std::to_string(b.temperature[k]) + " K)");
+    store_lanes(increment, b.increment + k, count);
+    store_lanes(strength, b.flow_stress + k, count);
+    return iterations;
   }
 
   Model model_;

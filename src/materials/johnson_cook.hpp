@@ -44,29 +44,37 @@ struct JohnsonCook {
       p.fail("melting_temperature", "must be above reference_temperature");
   }
 
-  FlowPoint evaluate(double plastic_strain, double rate, double temperature) const {
-    double hardening = A, hardening_slope = 0;
+  template <class T>
+  FlowPoint<T> evaluate(const T& plastic_strain, const T& rate, const T& temperature) const {
+    const T zero = 0.0, one = 1.0;
+    T hardening = A, hardening_slope = 0.0;
     if (B > 0 && n == 0) {
       hardening += B;  // ep^0 = 1 at rest as well: a step at zero strain would leave stresses no flow can reach
-    } else if (B > 0 && plastic_strain > 0) {
-      const double power = B * std::pow(plastic_strain, n);
-      hardening += power;
-      hardening_slope = n * power / plastic_strain;
+    } else if (B > 0) {
+      const auto hardened = plastic_strain > zero;
+      const T strain = select(hardened, plastic_strain, one);
+      const T power_term = select(hardened, T(B * power(strain, n)), zero);
+      hardening += power_term;
+      hardening_slope = n * power_term / strain;
     }
-    double rate_factor = 1, rate_slope = 0;
-    if (C > 0 && (rate > reference_rate || !clip_rate_factor)) {
+    T rate_factor = 1.0, rate_slope = 0.0;
+    if (C > 0) {
       // Without clipping the logarithm tends to minus infinity at rest; the factor stops where strength would vanish.
       constexpr double least = 1e-3;
-      const double raw = rate > 0 ? 1 + C * std::log(rate / reference_rate) : least;
-      rate_factor = std::max(raw, least);
-      if (raw > least) rate_slope = C / rate;
+      const auto sensitive = rate > T(clip_rate_factor ? reference_rate : 0.0);
+      const T faster = select(sensitive, T(rate / reference_rate), one);
+      const T raw = select(sensitive, T(1 + C * logarithm(faster)), T(clip_rate_factor ? 1.0 : least));
+      rate_factor = select(raw > T(least), raw, T(least));
+      rate_slope = select(sensitive && raw > T(least), T(C / rate), zero);
     }
-    const double tstar =
-        std::clamp((temperature - reference_temperature) / (melting_temperature - reference_temperature), 0.0, 1.0);
-    const double softening = 1 - (m == 1 ? tstar : std::pow(tstar, m));
-    const double stress = hardening * rate_factor * softening;
-    if (stress <= residual) return {residual, 0, 0};
-    return {stress, hardening_slope * rate_factor * softening, hardening * rate_slope * softening};
+    T tstar = (temperature - reference_temperature) / (melting_temperature - reference_temperature);
+    tstar = select(tstar > zero, tstar, zero);
+    tstar = select(tstar < one, tstar, one);
+    const T softening = 1.0 - (m == 1 ? tstar : power(tstar, m));
+    const T stress = hardening * rate_factor * softening;
+    const auto solid = stress > T(residual);
+    return {select(solid, stress, T(residual)), select(solid, T(hardening_slope * rate_factor * softening), zero),
+            select(solid, T(hardening * rate_slope * softening), zero)};
   }
 
   double A, B, n, C, m, reference_rate, reference_temperature, melting_temperature, residual;

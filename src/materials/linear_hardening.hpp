@@ -17,8 +17,9 @@ struct LinearHardening {
   explicit LinearHardening(const input::Parameters& p)
       : yield_stress(p.real("yield_stress")), hardening_modulus(p.real("hardening_modulus")) {}
 
-  FlowPoint evaluate(double plastic_strain, double, double) const {
-    return {yield_stress + hardening_modulus * plastic_strain, hardening_modulus, 0};
+  template <class T>
+  FlowPoint<T> evaluate(const T& plastic_strain, const T&, const T&) const {
+    return {yield_stress + hardening_modulus * plastic_strain, hardening_modulus, 0.0};
   }
 
   double yield_stress, hardening_modulus;

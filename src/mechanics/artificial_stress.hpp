@@ -3,7 +3,8 @@
 /// of the sweep.)
 #pragma once
 
-#include "mechanics/simd.hpp"
+#include "base/tensor.hpp"
+#include "particles/space.hpp"
 
 namespace stirsph {
 

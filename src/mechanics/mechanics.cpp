@@ -71,20 +71,42 @@ double MechanicsIn<S>::support(const ParticleSet& particles) const {
   return largest * kernel_support(settings_.kernel);
 }
 
+namespace {
+
+/// One component of a field on its way into slot `slot` of the neighbour records.
+struct RecordColumn {
+  int slot;
+  const double* values;
+};
+
+/// Fills records from columns, some particles at a time, so that a record is written while it is in the cache.
+void fill_records(const std::vector<RecordColumn>& columns, std::size_t particles, int record_size, double* records) {
+  constexpr std::size_t block = 64;
+  const std::size_t stride = static_cast<std::size_t>(record_size);
+  for (std::size_t first = 0; first < particles; first += block) {
+    const std::size_t last = std::min(first + block, particles);
+    for (const RecordColumn& column : columns)
+      for (std::size_t i = first; i < last; ++i) records[i * stride + column.slot] = column.values[i];
+  }
+}
+
+}  // namespace
+
 template <class S>
 void MechanicsIn<S>::pack_gradient_records(const ParticleSet& particles) {
   const auto pack = [&]<bool VariableH>() {
     using Record = GradientRecord<S, VariableH>;
-    records_.resize(particles.capacity() * Record::size);
+    std::vector<RecordColumn> columns;
     const auto put = [&](int slot, const FieldInfo& info, int c) {
-      const double* from = particles.component(info, c).data();
-      for (std::size_t i = 0; i < particles.capacity(); ++i) records_[i * Record::size + slot] = from[i];
+      columns.push_back({slot, particles.component(info, c).data()});
     };
     for (int d = 0; d < S::dim; ++d) put(Record::x + d, field::position, d);
     for (int d = 0; d < S::velocity_components; ++d) put(Record::v + d, field::velocity, d);
     put(Record::volume, field::volume, 0);
-    put(Record::strain, field::volumetric_strain, 0);
+    if (settings_.density_diffusion > 0) put(Record::strain, field::volumetric_strain, 0);
     if constexpr (VariableH) put(Record::h, field::smoothing_length, 0);
+    records_.resize(particles.capacity() * Record::size);
+    fill_records(columns, particles.capacity(), Record::size, records_.data());
   };
   settings_.variable_h ? pack.template operator()<true>() : pack.template operator()<false>();
 }
@@ -93,10 +115,9 @@ template <class S>
 void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles) {
   const auto pack = [&]<bool VariableH, bool ArtificialStress, bool Full>() {
     using Record = MomentumRecord<S, VariableH, ArtificialStress, Full>;
-    records_.resize(particles.capacity() * Record::size);
+    std::vector<RecordColumn> columns;
     const auto put = [&](int slot, const FieldInfo& info, int c) {
-      const double* from = particles.component(info, c).data();
-      for (std::size_t i = 0; i < particles.capacity(); ++i) records_[i * Record::size + slot] = from[i];
+      columns.push_back({slot, particles.component(info, c).data()});
     };
     const auto put_tensor = [&](int slot, const FieldInfo& info) {
       for (int i = 0; i < S::dim; ++i)
@@ -111,16 +132,17 @@ void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles) {
       put_tensor(Record::stress, field::stress);
     if constexpr (ArtificialStress) put_tensor(Record::artificial, field::artificial_stress);
     if constexpr (VariableH) put(Record::h, field::smoothing_length, 0);
+    records_.resize(particles.capacity() * Record::size);
+    fill_records(columns, particles.capacity(), Record::size, records_.data());
 
     if (settings_.viscosity_alpha > 0 || settings_.viscosity_beta > 0) {
       std::vector<double> sound_speed;
       for (const Material& m : materials_) sound_speed.push_back(m.sound_speed() / std::sqrt(settings_.density_scale));
-      const auto material = particles[field::material], mass = particles[field::mass],
-                 volume = particles[field::volume];
+      const auto material = particles[field::material], mass = particles[field::mass];
       for (std::size_t i = 0; i < particles.total(); ++i) {
-        const double density = settings_.density_scale * mass[i] / volume[i];
-        records_[i * Record::size + Record::density] = density;
-        records_[i * Record::size + Record::impedance] = density * sound_speed[static_cast<std::size_t>(material[i])];
+        double* const record = records_.data() + i * Record::size;
+        record[Record::density] = settings_.density_scale * mass[i] / record[Record::volume];
+        record[Record::impedance] = record[Record::density] * sound_speed[static_cast<std::size_t>(material[i])];
       }
     }
   };
@@ -139,7 +161,7 @@ template <class S>
 void MechanicsIn<S>::update_stress(ParticleSet& particles, const PairList& pairs, double dt) {
   counters_ = {};
   pack_gradient_records(particles);
-  active_.begin(pairs, particles.clusters() * (cluster_size / lanes));
+  active_.begin(pairs, particles.owned());
   GradientBlock<S> block;
   for (std::size_t first = 0; first < particles.clusters(); first += GradientBlock<S>::clusters) {
     const std::size_t last = std::min(first + GradientBlock<S>::clusters, particles.clusters());
@@ -153,12 +175,17 @@ template <class S>
 void MechanicsIn<S>::update_acceleration(ParticleSet& particles, const PairList& pairs, double dt) {
   pack_momentum_records(particles);
   std::array<double*, S::dim> force;
-  for (int d = 0; d < S::dim; ++d) force[d] = particles.component(field::acceleration, d).data();
+  for (int d = 0; d < S::dim; ++d) {
+    const auto component = particles.component(field::acceleration, d);
+    std::fill(component.begin(), component.end(), 0.0);
+    force[d] = component.data();
+  }
   const bool artificial = settings_.artificial_stress > 0;
   dissipation_.resize(particles.capacity());
   if (artificial) artificial_power_.resize(particles.capacity());
   const MomentumConstants constants{smoothing_length(), settings_.spacing, settings_.viscosity_alpha,
                                     settings_.viscosity_beta};
+  if (!active_.valid()) active_.take_all(pairs, particles.owned());
   sweep_momentum(pairs, particles.clusters(), constants, force.data(), dissipation_.data(), artificial_power_.data());
   active_.expire();
   const auto mass = particles[field::mass];

@@ -10,53 +10,109 @@
 ///
 /// Neighbours are packed into one record each, so that a neighbour costs one or two cache lines. Candidates outside the
 /// support, the particle itself and padding lanes give exact zeros: there is no branch in the loop.
+///
+/// The first sweep visits a pair from both sides, the second, whose terms cost more than the sum over lanes that the
+/// other side needs, from one side where both particles are this rank's.
 #pragma once
 
 #include <span>
 #include <vector>
 
+#include "mechanics/lane_matrix.hpp"
 #include "mechanics/settings.hpp"
-#include "mechanics/simd.hpp"
 #include "neighbours/pair_list.hpp"
 #include "particles/field_names.hpp"
 #include "particles/particle_set.hpp"
 
 namespace stirsph {
 
+static_assert(cluster_size % lanes == 0, "a cluster is a whole number of SIMD registers");
+
 constexpr int padded_record(int size) { return (size + 7) / 8 * 8; }
 
 /// Keeps r away from zero for the particle itself; (1e-30 m)^2, far below any spacing.
 inline constexpr double tiny_square = 1e-60;
 
-/// The candidates that at least one particle of a register reaches now. The first sweep finds them on its way; the
-/// second, at the same positions, visits only these, a quarter fewer than the list with its skin. What it leaves out
-/// are exact zeros, so the sums are the same to the last bit.
+/// The pairs that the second sweep visits: for each register of particles the candidates that one of them reaches now.
+/// The first sweep finds them on its way, at the same positions; what is left out are exact zeros. Of two clusters of
+/// this rank the earlier one has the pair and gives the other its share of the force. The own cluster's 8 particles
+/// always belong to it and are not listed.
 class ActivePairs {
  public:
-  /// Before a first sweep over `list`.
-  void begin(const PairList& list, std::size_t registers) {
-    indices_.resize(list.size() * (cluster_size / lanes) + 1);  // one more: where a rejected candidate is written
-    starts_.resize(registers + 1);
-    starts_[0] = 0;
+  /// Before a first sweep over `list`; `owned` particles are this rank's.
+  void begin(const PairList& list, std::size_t owned) {
+    owned_ = static_cast<std::int32_t>(owned);
+    indices_.resize(list.size() * parts);
+    counts_.resize(list.clusters() * parts);
     valid_ = false;
   }
-  std::int32_t* writable(std::size_t r) { return indices_.data() + starts_[r]; }
-  void end_register(std::size_t r, std::size_t count) { starts_[r + 1] = starts_[r] + count; }
+
+  /// Takes the candidates of one register, in any order of registers: owned ones to the front of the register's place,
+  /// halo copies to its back, without a branch.
+  class Writer {
+   public:
+    Writer(ActivePairs& active, const PairList& list, std::size_t cluster, std::size_t part)
+        : counts_(active.counts_[cluster * parts + part]),
+          owned_(active.owned_),
+          later_(static_cast<std::int32_t>((cluster + 1) * cluster_size)),
+          front_(active.indices_.data() + offset(list, cluster, part)),
+          back_(front_ + list.candidates(cluster).size() - 1) {
+      counts_ = {0, 0};
+    }
+    void take(std::int32_t j, bool reached) {
+      const bool listed = reached && j >= later_;
+      front_[counts_.own] = j;
+      back_[-static_cast<std::ptrdiff_t>(counts_.halo)] = j;
+      counts_.own += listed && j < owned_;
+      counts_.halo += listed && j >= owned_;
+    }
+
+   private:
+    friend class ActivePairs;
+    struct Counts {
+      std::uint32_t own, halo;
+    };
+    Counts& counts_;
+    std::int32_t owned_, later_;
+    std::int32_t *front_, *back_;
+  };
+
+  /// Every candidate, where no first sweep has looked.
+  void take_all(const PairList& list, std::size_t owned) {
+    begin(list, owned);
+    for (std::size_t cluster = 0; cluster < list.clusters(); ++cluster)
+      for (std::size_t part = 0; part < parts; ++part) {
+        Writer writer(*this, list, cluster, part);
+        for (const std::int32_t j : list.candidates(cluster)) writer.take(j, true);
+      }
+    complete();
+  }
   /// All registers are written: the next second sweep may use them.
   void complete() { valid_ = true; }
   /// The positions are about to change.
   void expire() { valid_ = false; }
   bool valid() const { return valid_; }
-  std::span<const std::int32_t> of(std::size_t r) const {
-    return {indices_.data() + starts_[r], indices_.data() + starts_[r + 1]};
+
+  /// Particles of later clusters of this rank.
+  std::span<const std::int32_t> owned(const PairList& list, std::size_t cluster, std::size_t part) const {
+    return {indices_.data() + offset(list, cluster, part), counts_[cluster * parts + part].own};
+  }
+  std::span<const std::int32_t> halo(const PairList& list, std::size_t cluster, std::size_t part) const {
+    const std::size_t count = counts_[cluster * parts + part].halo;
+    return {indices_.data() + offset(list, cluster, part) + list.candidates(cluster).size() - count, count};
   }
   std::size_t bytes() const {
-    return indices_.capacity() * sizeof(std::int32_t) + starts_.capacity() * sizeof(std::size_t);
+    return indices_.capacity() * sizeof(std::int32_t) + counts_.capacity() * sizeof(Writer::Counts);
   }
 
  private:
+  static constexpr std::size_t parts = cluster_size / lanes;
+  static std::size_t offset(const PairList& list, std::size_t cluster, std::size_t part) {
+    return list.start(cluster) * parts + part * list.candidates(cluster).size();
+  }
   std::vector<std::int32_t> indices_;
-  std::vector<std::size_t> starts_;  ///< per SIMD register of particles
+  std::vector<Writer::Counts> counts_;  ///< per register
+  std::int32_t owned_ = 0;
   bool valid_ = false;
 };
 
@@ -123,9 +179,7 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
         for (int b = 0; b < dim; ++b) gradient.a[a][b] = moment.a[a][b] = 0.0;
       const double inverse_h = 1 / smoothing;
       const double constant = sigma * std::pow(inverse_h, dim + 1);
-      const std::size_t number = i0 / lanes;
-      std::int32_t* const reached = active.writable(number);
-      std::size_t reached_count = 0;
+      ActivePairs::Writer reached(active, pairs, cluster, part / lanes);
 
       for (const std::int32_t j : candidates) {
         const double* other = records.data() + static_cast<std::size_t>(j) * Record::size;
@@ -146,8 +200,7 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
           q = r * inverse_h;
           weight = other[Record::volume] * constant * K::slope(q) / r;
         }
-        reached[reached_count] = j;
-        reached_count += stdx::any_of(q < Lanes(K::support));
+        reached.take(j, stdx::any_of(q < Lanes(K::support)));
         for (int b = 0; b < dim; ++b) {
           const Lanes g = weight * d[b];
           for (int a = 0; a < dim; ++a) gradient.a[a][b] += g * (other[Record::v + a] - vi[a]);
@@ -156,8 +209,6 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
         }
         if constexpr (Diffusion) diffusion += weight * (ei - other[Record::strain]);
       }
-
-      active.end_register(number, reached_count);
 
       if constexpr (Corrected) {
         for (int b = 0; b < dim; ++b)
@@ -209,9 +260,9 @@ struct MomentumConstants {
   double alpha, beta;  ///< viscosity
 };
 
-/// Second sweep over clusters [first, last): adds forces [N] and viscous dissipation and the power taken out by the
-/// artificial stress [W] per particle into arrays that
-/// begin at particle first*8.
+/// Second sweep over clusters [first, last): adds forces [N] to `force`, all particles of the rank, and sets viscous
+/// dissipation and the power taken out by the artificial stress [W] per particle: where a pair is visited once, the
+/// earlier particle has the pair's whole power. Halo copies' forces are left to their owners.
 template <class S, class K, bool Viscous, bool ArtificialStress, bool VariableH, bool Full>
 void momentum_sweep(const AlignedVector& records, const PairList& pairs, const ActivePairs& active, std::size_t first,
                     std::size_t last, const MomentumConstants& constants, double* const* force, double* dissipation,
@@ -223,10 +274,11 @@ void momentum_sweep(const AlignedVector& records, const PairList& pairs, const A
   const double sigma = K::normalisation(dim), inverse_h = 1 / constants.smoothing;
   const double constant = sigma * std::pow(inverse_h, dim + 1);
   const double at_spacing = 1 / K::value(constants.spacing * inverse_h);
+  alignas(64) double shares[dim][lanes * lanes];  // forces of `lanes` pairs, for the sums over lanes
+  alignas(64) double sums[dim][lanes];
   for (std::size_t cluster = first; cluster < last; ++cluster) {
     for (std::size_t part = 0; part < cluster_size; part += lanes) {
       const std::size_t i0 = cluster * cluster_size + part;
-      const auto candidates = active.valid() ? active.of(i0 / lanes) : pairs.candidates(cluster);
       Lanes xi[dim], vi[dim], si[stress_size], ri[tensor], volume, impedance{}, density{}, hi{};
       load_rows<S, Record>(records, i0, Record::x, dim, xi);
       load_rows<S, Record>(records, i0, Record::stress, stress_size, si);
@@ -241,7 +293,8 @@ void momentum_sweep(const AlignedVector& records, const PairList& pairs, const A
       Lanes f[dim], dissipated = 0.0, absorbed = 0.0;
       for (int a = 0; a < dim; ++a) f[a] = 0.0;
 
-      for (const std::int32_t j : candidates) {
+      // Adds the force of j on i to f and returns it in `share`, all but the factor V_i.
+      const auto visit = [&](std::int32_t j, Lanes * share) __attribute__((always_inline)) {
         const double* other = records.data() + static_cast<std::size_t>(j) * Record::size;
         Lanes d[dim], r2 = tiny_square;
         for (int a = 0; a < dim; ++a) {
@@ -289,14 +342,36 @@ void momentum_sweep(const AlignedVector& records, const PairList& pairs, const A
         for (int a = 0; a < dim; ++a) {
           Lanes traction = stress[slot(a, 0)] * d[0];
           for (int b = 1; b < dim; ++b) traction += stress[slot(a, b)] * d[b];
-          f[a] += weight * traction;
+          share[a] = weight * traction;
+          f[a] += share[a];
         }
+      };
+
+      Lanes share[dim];
+      for (std::size_t j = cluster * cluster_size; j < (cluster + 1) * cluster_size; ++j)
+        visit(static_cast<std::int32_t>(j), share);
+      for (const std::int32_t j : active.halo(pairs, cluster, part / lanes)) visit(j, share);
+      dissipated *= 0.5;  // the other half is counted from the other side
+      absorbed *= 0.5;
+
+      const auto shared = active.owned(pairs, cluster, part / lanes);
+      for (std::size_t begin = 0; begin < shared.size(); begin += lanes) {
+        const std::size_t count = std::min(lanes, shared.size() - begin);
+        for (std::size_t k = 0; k < count; ++k) {
+          visit(shared[begin + k], share);
+          for (int a = 0; a < dim; ++a) (volume * share[a]).copy_to(&shares[a][k * lanes], stdx::vector_aligned);
+        }
+        for (int a = 0; a < dim; ++a) sum_rows(shares[a], sums[a]);
+        for (std::size_t k = 0; k < count; ++k)
+          for (int a = 0; a < dim; ++a) force[a][shared[begin + k]] -= sums[a][k];
       }
-      const std::size_t at = (cluster - first) * cluster_size + part;
-      for (int a = 0; a < dim; ++a) Lanes(f[a] * volume).copy_to(force[a] + at, stdx::element_aligned);
-      Lanes(0.5 * dissipated * volume).copy_to(dissipation + at, stdx::element_aligned);
-      if constexpr (ArtificialStress)
-        Lanes(0.5 * absorbed * volume).copy_to(artificial_power + at, stdx::element_aligned);
+
+      for (int a = 0; a < dim; ++a) {
+        double* const at = force[a] + i0;
+        (Lanes(at, stdx::element_aligned) + f[a] * volume).copy_to(at, stdx::element_aligned);
+      }
+      Lanes(dissipated * volume).copy_to(dissipation + i0, stdx::element_aligned);
+      if constexpr (ArtificialStress) Lanes(absorbed * volume).copy_to(artificial_power + i0, stdx::element_aligned);
     }
   }
 }

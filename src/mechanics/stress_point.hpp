@@ -11,7 +11,8 @@
 #include <cmath>
 #include <type_traits>
 
-#include "mechanics/simd.hpp"
+#include "base/tensor.hpp"
+#include "mechanics/lane_matrix.hpp"
 
 namespace stirsph {
 

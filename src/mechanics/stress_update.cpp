@@ -12,15 +12,6 @@ namespace {
 
 Lanes load(const double* from) { return Lanes(from, stdx::element_aligned); }
 
-/// Writes the first `count` lanes: the last cluster of a rank may be partly filled, and halo copies stand behind it.
-void store(const Lanes& values, double* to, std::size_t count) {
-  if (count >= lanes) {
-    values.copy_to(to, stdx::element_aligned);
-  } else {
-    for (std::size_t lane = 0; lane < count; ++lane) to[lane] = values[lane];
-  }
-}
-
 Lanes lane_numbers() {
   return Lanes([](auto lane) { return static_cast<double>(static_cast<std::size_t>(lane)); });
 }
@@ -134,10 +125,10 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
       strain += deformed + smoothed;
       Lanes volume = load(f.mass + at) / constant(&MaterialConstants::density, at) * exponential(strain);
       const Lanes mean = bulk * strain;
-      store(strain, f.strain + at, filled);
-      store(volume, f.volume + at, filled);
+      store_lanes(strain, f.strain + at, filled);
+      store_lanes(volume, f.volume + at, filled);
       if (settings_.variable_h)
-        store(smoothing_length() * exponential(Lanes(strain * (1.0 / dim))), f.smoothing + at, filled);
+        store_lanes(smoothing_length() * exponential(Lanes(strain * (1.0 / dim))), f.smoothing + at, filled);
 
       const auto yields = plastic_increment > Lanes(0.0);
       Lanes end_work = trial_work[p];
@@ -155,8 +146,8 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
       Lanes total[components];
       for (int c = 0; c < components; ++c) {
         total[c] = c < 3 ? Lanes(s[p][c] + mean) : s[p][c];
-        store(s[p][c], f.deviator[c] + at, filled);
-        store(total[c], f.stress[c] + at, filled);
+        store_lanes(s[p][c], f.deviator[c] + at, filled);
+        store_lanes(total[c], f.stress[c] + at, filled);
       }
       if (full)
         for (int a = 0; a < dim; ++a)
@@ -165,7 +156,7 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
             for (int c = 0; c < dim; ++c)
               sum += total[symmetric_index(std::min(a, c), std::max(a, c))] *
                      load(&block.correction[c * dim + b][at - first]);
-            store(sum, f.corrected[a * dim + b] + at, filled);
+            store_lanes(sum, f.corrected[a * dim + b] + at, filled);
           }
 
       // Work per volume: strain times the mean of old and new stress; what is not plastic is stored.
@@ -178,9 +169,9 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
       elastic_work += (deviatoric_work - plastic + pressure_work) * volume;
       diffusion_work += 0.5 * (old_pressure - mean) * smoothed * volume;
       plastic_heat += heat;
-      store(load(f.plastic_strain + at) + plastic_increment, f.plastic_strain + at, filled);
-      store(plastic_increment * (1 / dt), f.plastic_rate + at, filled);
-      if (f.heat_input) store(load(f.heat_input + at) + heat, f.heat_input + at, filled);
+      store_lanes(load(f.plastic_strain + at) + plastic_increment, f.plastic_strain + at, filled);
+      store_lanes(plastic_increment * (1 / dt), f.plastic_rate + at, filled);
+      if (f.heat_input) store_lanes(load(f.heat_input + at) + heat, f.heat_input + at, filled);
     }
 
     if (artificial)

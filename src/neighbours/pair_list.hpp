@@ -22,6 +22,8 @@ class PairList {
   std::span<const std::int32_t> candidates(std::size_t c) const {
     return {indices_.data() + starts_[c], indices_.data() + starts_[c + 1]};
   }
+  /// Number of candidates of all clusters before c.
+  std::size_t start(std::size_t c) const { return starts_[c]; }
   /// Number of candidates over all clusters.
   std::size_t size() const { return indices_.size(); }
   /// Grows by one with every build: lets others reuse what they derived from the list.

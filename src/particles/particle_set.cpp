@@ -25,14 +25,14 @@ int ParticleSet::components(Shape shape) const {
   return 1;
 }
 
-Field* ParticleSet::find(std::string_view name) const {
+Field* ParticleSet::find(const FieldInfo& info) const {
   for (const auto& field : fields_)
-    if (field->info->name == name) return field.get();
+    if (field->info == &info) return field.get();
   return nullptr;
 }
 
 void ParticleSet::add(const FieldInfo& info, int length) {
-  if (find(info.name)) return;
+  if (find(info)) return;
   auto field = std::make_unique<Field>();
   field->info = &info;
   const int count = info.shape == Shape::List ? length : components(info.shape);
@@ -41,19 +41,19 @@ void ParticleSet::add(const FieldInfo& info, int length) {
 }
 
 std::span<double> ParticleSet::component(const FieldInfo& info, int c) {
-  Field* field = find(info.name);
+  Field* field = find(info);
   if (!field) throw Error(ExitCode::Internal, "no module asked for the field " + std::string(info.name));
   return field->components[c];
 }
 
 std::span<const double> ParticleSet::component(const FieldInfo& info, int c) const {
-  const Field* field = find(info.name);
+  const Field* field = find(info);
   if (!field) throw Error(ExitCode::Internal, "no module asked for the field " + std::string(info.name));
   return field->components[c];
 }
 
 Vec3 ParticleSet::vector_at(const FieldInfo& info, std::size_t i) const {
-  const Field* field = find(info.name);
+  const Field* field = find(info);
   if (!field) throw Error(ExitCode::Internal, "no module asked for the field " + std::string(info.name));
   Vec3 v;
   for (std::size_t c = 0; c < field->components.size() && c < 3; ++c) v[static_cast<int>(c)] = field->components[c][i];

@@ -6,7 +6,6 @@
 #include <memory>
 #include <new>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "particles/field_info.hpp"
@@ -54,7 +53,7 @@ class ParticleSet {
   /// Adds a field filled with zeros; adding it twice is allowed and changes nothing.
   /// `length`: of a list.
   void add(const FieldInfo& info, int length = 1);
-  bool has(const FieldInfo& info) const { return find(info.name) != nullptr; }
+  bool has(const FieldInfo& info) const { return find(info) != nullptr; }
   const std::vector<std::unique_ptr<Field>>& fields() const { return fields_; }
   int components(Shape shape) const;
 
@@ -83,7 +82,7 @@ class ParticleSet {
   std::size_t bytes() const;
 
  private:
-  Field* find(std::string_view name) const;
+  Field* find(const FieldInfo& info) const;  ///< by identity: declarations are `inline constexpr`
   void allocate(std::size_t capacity);
 
   SpaceLayout layout_;

@@ -81,7 +81,7 @@ GradientResult<S> swept_gradient(const ParticleSet& p, const PairList& pairs, do
   GradientResult<S> result;
   GradientBlock<S> block{};
   ActivePairs active;
-  active.begin(pairs, p.clusters() * (cluster_size / lanes));
+  active.begin(pairs, p.owned());
   for (std::size_t first = 0; first < p.clusters(); first += GradientBlock<S>::clusters) {
     const std::size_t last = std::min(first + GradientBlock<S>::clusters, p.clusters());
     result.fallbacks += velocity_gradient_sweep<S, K, Corrected, Diffusion, VariableH, Keep>(

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "mechanics/simd.hpp"
+#include "base/simd.hpp"
 #include "neighbours/smoothing_kernel.hpp"
 
 namespace stirsph {
