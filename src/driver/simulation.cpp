@@ -46,6 +46,25 @@ void Simulation::guarded(Work&& work) {
   }
 }
 
+/// Runs a sweep while the halo copies it needs are on their way; the time it waits for them is not its own.
+template <class Work>
+void Simulation::sweep(const char* phase, Halo role, bool exchange, Work&& work) {
+  const HaloExchange& halo = neighbourhood_->halo();
+  if (exchange) {
+    const ScopedTimer timer(timers_, "halo");
+    halo.start(particles_, role);
+  }
+  const ScopedTimer timer(timers_, phase);
+  work([&] {
+    if (!exchange) return;
+    const double begun = wall_seconds();
+    halo.finish(particles_, role);
+    const double waited = wall_seconds() - begun;
+    timers_["halo"] += waited;
+    timers_[phase] -= waited;
+  });
+}
+
 /// One step: kick-drift-kick mechanics, then heat when it is due (first-order splitting). physics.md section 5.
 void Simulation::step() {
   clock_.dt = clock_.next_dt;
@@ -56,24 +75,14 @@ void Simulation::step() {
     neighbourhood_->advance(dt);
     guarded([&] { move_rigids(dt); });
 
-    if (list_expired_) {
-      renew_neighbours();
-    } else {
-      const ScopedTimer timer(timers_, "halo");
-      neighbourhood_->halo().exchange(particles_, Halo::Kinematic);
-    }
-    {
-      const ScopedTimer timer(timers_, "stress");
-      guarded([&] { mechanics_->update_stress(particles_, neighbourhood_->pairs(), dt); });
-    }
-    {
-      const ScopedTimer timer(timers_, "halo");
-      neighbourhood_->halo().exchange(particles_, Halo::Stress);
-    }
-    {
-      const ScopedTimer timer(timers_, "forces");
-      mechanics_->update_acceleration(particles_, neighbourhood_->pairs(), dt);
-    }
+    if (list_expired_) renew_neighbours();  // brings the halo up to date
+    guarded([&] {
+      sweep("stress", Halo::Kinematic, !list_expired_,
+            [&](const Arrival& halo) { mechanics_->update_stress(particles_, neighbourhood_->pairs(), dt, halo); });
+    });
+    list_expired_ = false;
+    sweep("forces", Halo::Stress, true,
+          [&](const Arrival& halo) { mechanics_->update_acceleration(particles_, neighbourhood_->pairs(), dt, halo); });
     guarded([&] { apply_loads(dt); });  // formulas of place and time may have no value at one rank's particles
     kick(0.5 * dt);
   }
@@ -131,7 +140,6 @@ void Simulation::renew_neighbours() {
                                                     kernel_support(scene_.numerics.kernel));
   const bool repartition = comm_.size() > 1 && neighbourhood_->imbalance() > scene_.repartition_imbalance;
   neighbourhood_->rebuild(particles_, support, repartition);
-  list_expired_ = false;
   if (contact_) contact_->forget_candidates();
   collect_grip_members();
   measure_extent();

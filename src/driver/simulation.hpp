@@ -136,6 +136,8 @@ class Simulation {
   /// Runs a phase that may fail on one rank only; the failure is agreed on in the vote.
   template <class Work>
   void guarded(Work&& work);
+  template <class Work>
+  void sweep(const char* phase, Halo role, bool exchange, Work&& work);
 
   Comm comm_;
   Scene scene_;

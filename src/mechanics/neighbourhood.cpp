@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mechanics/simd.hpp"
+#include "base/simd.hpp"
 #include "mechanics/smooth_motion.hpp"
 #include "neighbours/cluster_order.hpp"
 #include "particles/field_names.hpp"

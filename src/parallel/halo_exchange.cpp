@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
+#include <tuple>
 
 #include "parallel/cell_table.hpp"
 #include "particles/field_names.hpp"
@@ -24,6 +24,21 @@ std::vector<Destination> destinations_from(const CellTable& cells, std::int64_t 
       if (presence.rank != own_rank || neighbour.image)
         result.push_back({presence.rank, neighbour.shift, neighbour.index});
   return result;
+}
+
+constexpr int first_tag = 11;
+
+std::vector<const Field*> fields_of(const ParticleSet& particles, Halo role) {
+  std::vector<const Field*> fields;
+  for (const auto& field : particles.fields())
+    if (field->info->halo == role) fields.push_back(field.get());
+  return fields;
+}
+
+std::size_t width_of(const std::vector<const Field*>& fields) {
+  std::size_t width = 0;
+  for (const Field* field : fields) width += field->components.size();
+  return width;
 }
 
 }  // namespace
@@ -61,6 +76,7 @@ void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double 
   check_mpi(MPI_Alltoall(send_counts.data(), 1, MPI_INT, receive_counts.data(), 1, MPI_INT, comm_.handle()),
             "MPI_Alltoall");
 
+  channels_.clear();  // they refer to the routes
   routes_.clear();
   received_ = 0;
   for (int rank = 0; rank < comm_.size(); ++rank) {
@@ -78,37 +94,37 @@ void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double 
   std::vector<const Field*> all;
   for (const auto& field : particles.fields())
     if (field->info->halo != Halo::None) all.push_back(field.get());
-  exchange_fields(particles, all);
+  Channel once(comm_, routes_, width_of(all), first_tag);
+  once.start(all);
+  once.finish(particles, all);
 }
 
-void HaloExchange::exchange(ParticleSet& particles, Halo role) const {
-  std::vector<const Field*> fields;
-  for (const auto& field : particles.fields())
-    if (field->info->halo == role) fields.push_back(field.get());
-  exchange_fields(particles, fields);
-}
-
-void HaloExchange::exchange_fields(ParticleSet& particles, const std::vector<const Field*>& fields) const {
-  std::size_t width = 0;
-  for (const Field* field : fields) width += field->components.size();
-  if (width == 0 || routes_.empty()) return;
-
-  constexpr int tag = 11;
-  std::vector<std::vector<double>> outboxes(routes_.size()), inboxes(routes_.size());
-  std::vector<MPI_Request> requests;
-  for (std::size_t k = 0; k < routes_.size(); ++k) {
-    const Route& route = routes_[k];
-    if (route.rank == comm_.rank() || route.received == 0) continue;
-    inboxes[k].resize(route.received * width);
-    check_mpi(MPI_Irecv(inboxes[k].data(), static_cast<int>(inboxes[k].size()), MPI_DOUBLE, route.rank, tag,
-                        comm_.handle(), &requests.emplace_back()),
-              "MPI_Irecv");
+HaloExchange::Channel::Channel(const Comm& comm, const std::vector<Route>& routes, std::size_t width, int tag)
+    : own_rank_(comm.rank()), routes_(routes), width_(width), outboxes_(routes.size()), inboxes_(routes.size()) {
+  for (std::size_t k = 0; k < routes.size(); ++k) {
+    const Route& route = routes[k];
+    outboxes_[k].resize(route.sent.size() * width);
+    inboxes_[k].resize(route.received * width);
+    if (route.rank == own_rank_) continue;
+    if (!inboxes_[k].empty())
+      check_mpi(MPI_Recv_init(inboxes_[k].data(), static_cast<int>(inboxes_[k].size()), MPI_DOUBLE, route.rank, tag,
+                              comm.handle(), &requests_.emplace_back()),
+                "MPI_Recv_init");
+    if (!outboxes_[k].empty())
+      check_mpi(MPI_Send_init(outboxes_[k].data(), static_cast<int>(outboxes_[k].size()), MPI_DOUBLE, route.rank, tag,
+                              comm.handle(), &requests_.emplace_back()),
+                "MPI_Send_init");
   }
+}
+
+HaloExchange::Channel::~Channel() {
+  for (MPI_Request& request : requests_) MPI_Request_free(&request);
+}
+
+void HaloExchange::Channel::start(const std::vector<const Field*>& fields) {
   for (std::size_t k = 0; k < routes_.size(); ++k) {
     const Route& route = routes_[k];
-    auto& outbox = outboxes[k];
-    outbox.resize(route.sent.size() * width);
-    double* write = outbox.data();
+    double* write = (route.rank == own_rank_ ? inboxes_ : outboxes_)[k].data();
     for (const Field* field : fields) {
       const bool is_position = field->info->name == field::position.name && !route.shifts.empty();
       for (std::size_t c = 0; c < field->components.size(); ++c) {
@@ -120,17 +136,15 @@ void HaloExchange::exchange_fields(ParticleSet& particles, const std::vector<con
           for (const std::int32_t i : route.sent) *write++ = values[i];
       }
     }
-    if (route.rank == comm_.rank())
-      inboxes[k] = std::move(outbox);
-    else if (!route.sent.empty())
-      check_mpi(MPI_Isend(outbox.data(), static_cast<int>(outbox.size()), MPI_DOUBLE, route.rank, tag, comm_.handle(),
-                          &requests.emplace_back()),
-                "MPI_Isend");
   }
-  check_mpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
+  if (!requests_.empty()) check_mpi(MPI_Startall(static_cast<int>(requests_.size()), requests_.data()), "MPI_Startall");
+}
+
+void HaloExchange::Channel::finish(ParticleSet& particles, const std::vector<const Field*>& fields) {
+  check_mpi(MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
   for (std::size_t k = 0; k < routes_.size(); ++k) {
     const Route& route = routes_[k];
-    const double* read = inboxes[k].data();
+    const double* read = inboxes_[k].data();
     for (const Field* field : fields)
       for (std::size_t c = 0; c < field->components.size(); ++c) {
         auto values = particles.component(*field->info, static_cast<int>(c));
@@ -138,6 +152,32 @@ void HaloExchange::exchange_fields(ParticleSet& particles, const std::vector<con
         read += route.received;
       }
   }
+}
+
+HaloExchange::Channel& HaloExchange::channel(Halo role, std::size_t width) const {
+  auto found = channels_.find(role);
+  if (found != channels_.end() && found->second.width() != width) {  // a field of this role was added since
+    channels_.erase(found);
+    found = channels_.end();
+  }
+  if (found == channels_.end())
+    found = channels_
+                .emplace(std::piecewise_construct, std::forward_as_tuple(role),
+                         std::forward_as_tuple(comm_, routes_, width, first_tag + 1 + static_cast<int>(role)))
+                .first;
+  return found->second;
+}
+
+void HaloExchange::start(const ParticleSet& particles, Halo role) const {
+  if (routes_.empty()) return;
+  const std::vector<const Field*> fields = fields_of(particles, role);
+  channel(role, width_of(fields)).start(fields);
+}
+
+void HaloExchange::finish(ParticleSet& particles, Halo role) const {
+  if (routes_.empty()) return;
+  const std::vector<const Field*> fields = fields_of(particles, role);
+  channel(role, width_of(fields)).finish(particles, fields);
 }
 
 std::size_t HaloExchange::sent() const {

@@ -64,7 +64,10 @@ void ParticleSet::allocate(std::size_t total) {
   total_ = total;
   const std::size_t padded = (total + cluster_size - 1) / cluster_size * cluster_size;
   for (auto& field : fields_)
-    for (auto& values : field->components) values.resize(padded, 0.0);
+    for (auto& values : field->components) {
+      if (values.capacity() < padded) values.reserve(padded + padded / 32);  // resize alone would double it
+      values.resize(padded, 0.0);
+    }
   capacity_ = padded;
 }
 
