@@ -4,8 +4,9 @@
 #include <fstream>
 #include <limits>
 
+#include "base/simd.hpp"
+#include "particles/particle_set.hpp"
 #include "base/timer.hpp"
-#include "mechanics/simd.hpp"
 
 namespace stirsph::bench {
 namespace {

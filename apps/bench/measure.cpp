@@ -7,12 +7,12 @@
 #include <ctime>
 #include <filesystem>
 
+#include "base/simd.hpp"
 #include "driver/diagnostics.hpp"
 #include "driver/simulation.hpp"
 #include "io/files.hpp"
 #include "io/history.hpp"
 #include "io/snapshot.hpp"
-#include "mechanics/simd.hpp"
 #include "particles/field_names.hpp"
 
 namespace stirsph::bench {

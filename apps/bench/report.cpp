@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/simd.hpp"
 #include "driver/run.hpp"
-#include "mechanics/simd.hpp"
 
 namespace stirsph::bench {
 namespace {

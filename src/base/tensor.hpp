@@ -34,10 +34,12 @@ inline Vec3 normalised(const Vec3& a) {
   const double n = norm(a);
   return n > 0 ? a / n : a;
 }
-/// a turned by angle [rad] about the unit vector axis (Rodrigues' formula).
+/// `a` turned about a unit axis through the origin (Rodrigues' formula); the angle by its cosine and sine, or in rad.
+inline Vec3 rotated(const Vec3& a, const Vec3& axis, double cosine, double sine) {
+  return a * cosine + cross(axis, a) * sine + axis * (dot(axis, a) * (1 - cosine));
+}
 inline Vec3 rotated(const Vec3& a, const Vec3& axis, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  return a * c + cross(axis, a) * s + axis * (dot(axis, a) * (1 - c));
+  return rotated(a, axis, std::cos(angle), std::sin(angle));
 }
 
 /// Storage order of symmetric tensors everywhere in the code: xx yy zz xy xz yz.

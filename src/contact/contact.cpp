@@ -19,17 +19,44 @@ Contact::Contact(std::vector<ContactPair> pairs, int dim, double spacing, std::v
 
 double Contact::area_of(double volume) const { return dim_ == 3 ? std::cbrt(volume * volume) : std::sqrt(volume); }
 
+namespace {
+
+/// A ball around consecutive particles, which are neighbours in space.
+struct Ball {
+  Vec3 centre;
+  double radius = 0;
+};
+Ball ball_around(const ParticleSet& particles, std::size_t first, std::size_t last) {
+  Ball ball;
+  for (std::size_t i = first; i < last; ++i) ball.centre += particles.vector_at(field::position, i);
+  ball.centre = ball.centre / static_cast<double>(last - first);
+  for (std::size_t i = first; i < last; ++i)
+    ball.radius = std::max(ball.radius, norm(particles.vector_at(field::position, i) - ball.centre));
+  return ball;
+}
+
+}  // namespace
+
 void Contact::find_candidates(const ParticleSet& particles, const std::vector<RigidBody>& bodies) {
   // A whole spacing of margin: a candidate list lives for several steps even under a fast rim.
-  const double margin = spacing_;
+  const double margin = spacing_, reach = 0.5 * spacing_ + margin;
   const auto body_of = particles[field::body];
+  std::vector<PlacedBody> placed;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     candidates_[p].clear();
-    const RigidBody& rigid = bodies[pairs_[p].rigid];
-    for (std::size_t i = 0; i < particles.owned(); ++i)
-      if (pairs_[p].bodies[static_cast<int>(body_of[i])] &&
-          rigid.nearest(particles.vector_at(field::position, i)).distance < 0.5 * spacing_ + margin)
-        candidates_[p].push_back(static_cast<std::int32_t>(i));
+    placed.emplace_back(bodies[pairs_[p].rigid]);
+  }
+  for (std::size_t first = 0; first < particles.owned(); first += cluster_size) {
+    const std::size_t last = std::min(first + cluster_size, particles.owned());
+    const Ball ball = ball_around(particles, first, last);
+    for (std::size_t p = 0; p < pairs_.size(); ++p) {
+      // A distance changes by no more than one goes: most clusters are told by one look.
+      if (placed[p].nearest(ball.centre).distance >= ball.radius + reach) continue;
+      for (std::size_t i = first; i < last; ++i)
+        if (pairs_[p].bodies[static_cast<int>(body_of[i])] &&
+            placed[p].nearest(particles.vector_at(field::position, i)).distance < reach)
+          candidates_[p].push_back(static_cast<std::int32_t>(i));
+    }
   }
   candidates_valid_ = true;
   budget_ = margin;
@@ -56,6 +83,7 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     const ContactPair& pair = pairs_[p];
     const RigidBody& rigid = bodies[pair.rigid];
+    const PlacedBody placed(rigid);
     ContactLoad& load = loads_[pair.rigid];
     const auto own_component = [&](const FieldInfo& info) {
       return pair.heat_component >= 0 && particles.has(info) ? particles.component(info, pair.heat_component).data()
@@ -65,7 +93,7 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
     double* const impulse = own_component(field::rigid_impulse);
     for (const std::int32_t i : candidates_[p]) {
       const Vec3 x = particles.vector_at(field::position, i);
-      const SurfacePoint surface = rigid.nearest(x);
+      const SurfacePoint surface = placed.nearest(x);
       const double depth = 0.5 * spacing_ - surface.distance;
       if (depth <= 0) continue;
       const Vec3 n = surface.normal;

@@ -1,6 +1,7 @@
 /// A rigid body: a shape carried by a motion (translation plus rotation about one axis).
 #pragma once
 
+#include <cmath>
 #include <string>
 
 #include "geometry/shape.hpp"
@@ -30,11 +31,32 @@ struct RigidBody {
   RigidPose pose;
 
   /// Nearest surface point in the frame of the scene.
+  SurfacePoint nearest(const Vec3& x) const;
+};
+
+/// A rigid body at one instant, for questions about many points: its rotation is worked out once.
+class PlacedBody {
+ public:
+  explicit PlacedBody(const RigidBody& body)
+      : shape_(*body.shape),
+        centre_(body.pose.centre),
+        axis_point_(body.pose.axis_point()),
+        axis_(body.pose.axis),
+        cosine_(std::cos(body.pose.angle)),
+        sine_(std::sin(body.pose.angle)) {}
+
   SurfacePoint nearest(const Vec3& x) const {
-    SurfacePoint found = shape->nearest(pose.to_body(x));
-    found.normal = rotated(found.normal, pose.axis, pose.angle);
+    SurfacePoint found = shape_.nearest(rotated(x - axis_point_, axis_, cosine_, -sine_) + centre_);
+    found.normal = rotated(found.normal, axis_, cosine_, sine_);
     return found;
   }
+
+ private:
+  const ShapeFunction& shape_;
+  Vec3 centre_, axis_point_, axis_;
+  double cosine_, sine_;
 };
+
+inline SurfacePoint RigidBody::nearest(const Vec3& x) const { return PlacedBody(*this).nearest(x); }
 
 }  // namespace stirsph
