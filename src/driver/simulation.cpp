@@ -46,6 +46,25 @@ void Simulation::guarded(Work&& work) {
   }
 }
 
+/// Runs a sweep while the halo copies it needs are on their way; the time it waits for them is not its own.
+template <class Work>
+void Simulation::sweep(const char* phase, Halo role, bool exchange, Work&& work) {
+  const HaloExchange& halo = neighbourhood_->halo();
+  if (exchange) {
+    const ScopedTimer timer(timers_, "halo");
+    halo.start(particles_, role);
+  }
+  const ScopedTimer timer(timers_, phase);
+  work([&] {
+    if (!exchange) return;
+    const double begun = wall_seconds();
+    halo.finish(particles_, role);
+    const double waited = wall_seconds() - begun;
+    timers_["halo"] += waited;
+    timers_[phase] -= waited;
+  });
+}
+
 /// One step: kick-drift-kick mechanics, then heat when it is due (first-order splitting). physics.md section 5.
 void Simulation::step() {
   clock_.dt = clock_.next_dt;
@@ -53,26 +72,17 @@ void Simulation::step() {
   if (mechanics_) {
     kick(0.5 * dt);  // v at the middle of the step
     drift(dt);       // x at its end
+    neighbourhood_->advance(dt);
     guarded([&] { move_rigids(dt); });
 
-    if (list_expired_) {
-      renew_neighbours();
-    } else {
-      const ScopedTimer timer(timers_, "halo");
-      neighbourhood_->halo().exchange(particles_, Halo::Kinematic);
-    }
-    {
-      const ScopedTimer timer(timers_, "stress");
-      guarded([&] { mechanics_->update_stress(particles_, neighbourhood_->pairs(), dt); });
-    }
-    {
-      const ScopedTimer timer(timers_, "halo");
-      neighbourhood_->halo().exchange(particles_, Halo::Stress);
-    }
-    {
-      const ScopedTimer timer(timers_, "forces");
-      mechanics_->update_acceleration(particles_, neighbourhood_->pairs(), dt);
-    }
+    if (list_expired_) renew_neighbours();  // brings the halo up to date
+    guarded([&] {
+      sweep("stress", Halo::Kinematic, !list_expired_,
+            [&](const Arrival& halo) { mechanics_->update_stress(particles_, neighbourhood_->pairs(), dt, halo); });
+    });
+    list_expired_ = false;
+    sweep("forces", Halo::Stress, true,
+          [&](const Arrival& halo) { mechanics_->update_acceleration(particles_, neighbourhood_->pairs(), dt, halo); });
     guarded([&] { apply_loads(dt); });  // formulas of place and time may have no value at one rank's particles
     kick(0.5 * dt);
   }
@@ -130,16 +140,21 @@ void Simulation::renew_neighbours() {
                                                     kernel_support(scene_.numerics.kernel));
   const bool repartition = comm_.size() > 1 && neighbourhood_->imbalance() > scene_.repartition_imbalance;
   neighbourhood_->rebuild(particles_, support, repartition);
-  list_expired_ = false;
   if (contact_) contact_->forget_candidates();
   collect_grip_members();
   measure_extent();
 }
 
 void Simulation::measure_extent() {
-  farthest_ = 0;
-  for (std::size_t i = 0; i < particles_.owned(); ++i)
-    farthest_ = std::max(farthest_, norm(particles_.vector_at(field::position, i)));
+  std::array<const double*, 3> x{};
+  for (int d = 0; d < particles_.layout().dim; ++d) x[d] = particles_.component(field::position, d).data();
+  double farthest2 = 0;
+  for (std::size_t i = 0; i < particles_.owned(); ++i) {
+    double r2 = 0;
+    for (int d = 0; d < particles_.layout().dim; ++d) r2 += x[d][i] * x[d][i];
+    farthest2 = std::max(farthest2, r2);
+  }
+  farthest_ = std::sqrt(farthest2);
 }
 
 void Simulation::apply_loads(double dt) {
@@ -319,21 +334,16 @@ void Simulation::vote() {
   ballot.clear();
   if (mechanics_) {
     guarded([&] {
-      double fastest = 0, sum = 0;
-      const int dim = particles_.layout().velocity_components;
-      std::array<const double*, 3> v{};
-      for (int d = 0; d < dim; ++d) v[d] = particles_.component(field::velocity, d).data();
-      for (std::size_t i = 0; i < particles_.owned(); ++i) {
-        double v2 = 0;
-        for (int d = 0; d < dim; ++d) v2 += v[d][i] * v[d][i];
-        fastest = std::max(fastest, v2);
-        sum += v2;
-      }
-      ballot[StepVote::Speed] = std::sqrt(fastest);
-      ballot[StepVote::Displacement] = std::sqrt(neighbourhood_->largest_displacement_squared(particles_));
+      const ListMotion motion = neighbourhood_->motion(particles_);
+      ballot[StepVote::Deviation] = motion.deviation;
+      ballot[StepVote::RelativeSpeed] = motion.relative_speed;
+      ballot[StepVote::Displacement] = motion.displacement;
+      ballot[StepVote::Speed] = motion.speed;
+      ballot[StepVote::Acceleration] = motion.acceleration;
+      farthest_ = motion.extent;
       const double limit =
           scene_.limits.speed > 0 ? scene_.limits.speed : 10 * (mechanics_->wave_speed() + surface_speed());
-      if (std::isfinite(sum) && fastest <= limit * limit) return;
+      if (motion.finite && motion.speed <= limit) return;
       for (std::size_t i = 0; i < particles_.owned(); ++i) {
         const Vec3 velocity = particles_.vector_at(field::velocity, i);
         if (std::isfinite(dot(velocity, velocity)) && norm(velocity) <= limit) continue;
@@ -348,9 +358,12 @@ void Simulation::vote() {
       }
     });
     // A support that has grown since the list was built uses up the skin just as motion does.
-    if (mechanics_->settings().variable_h)
-      ballot[StepVote::Displacement] +=
+    if (mechanics_->settings().variable_h) {
+      const double grown =
           0.5 * std::max(0.0, mechanics_->support(particles_) + neighbourhood_->skin() - neighbourhood_->reach());
+      ballot[StepVote::Deviation] += grown;
+      ballot[StepVote::Displacement] += grown;
+    }
     if (mechanics_->settings().variable_h || least_h_ == 0)
       ballot[StepVote::NegativeLength] = -mechanics_->least_smoothing_length(particles_);
   }
@@ -371,7 +384,6 @@ void Simulation::vote() {
 
   if (ballot[StepVote::Failure] > 0) comm_.throw_together(std::exchange(failure_, nullptr));
   requests = {ballot[StepVote::Stop] > 0, ballot[StepVote::WriteProgress] > 0, ballot[StepVote::WriteCheckpoint] > 0};
-  displacement_ = ballot[StepVote::Displacement];
   speed_ = ballot[StepVote::Speed];
   penetration_ = ballot[StepVote::Penetration];
   if (ballot[StepVote::NegativeLength] > -std::numeric_limits<double>::infinity())
@@ -386,9 +398,9 @@ void Simulation::vote() {
                  " spacings (limits.penetration): contact is lost. Raise penalty_scale or soft_scale, or take smaller "
                  "steps (time.cfl, time.step).");
   clock_.next_dt = stable_step();
-  // Two particles may approach by twice the largest displacement. The list must still hold after the next drift; half
-  // more than the present speed covers its acceleration.
-  list_expired_ = mechanics_ && 2 * (displacement_ + 1.5 * speed_ * clock_.next_dt) > neighbourhood_->skin();
+  const ListMotion motion{ballot[StepVote::Deviation], ballot[StepVote::RelativeSpeed], ballot[StepVote::Displacement],
+                          ballot[StepVote::Speed], ballot[StepVote::Acceleration]};
+  list_expired_ = mechanics_ && !neighbourhood_->holds(motion, clock_.next_dt);
 }
 
 }  // namespace stirsph

@@ -136,6 +136,8 @@ class Simulation {
   /// Runs a phase that may fail on one rank only; the failure is agreed on in the vote.
   template <class Work>
   void guarded(Work&& work);
+  template <class Work>
+  void sweep(const char* phase, Halo role, bool exchange, Work&& work);
 
   Comm comm_;
   Scene scene_;
@@ -162,9 +164,9 @@ class Simulation {
   PhaseTimers timers_;
   std::exception_ptr failure_;
   double time_since_heat_ = 0;
-  double displacement_ = 0, speed_ = 0, penetration_ = 0, least_h_ = 0;
+  double speed_ = 0, penetration_ = 0, least_h_ = 0;
   bool list_expired_ = false;
-  double farthest_ = 0;  ///< m, farthest owned particle from the origin at the last list build
+  double farthest_ = 0;  ///< m, farthest owned particle from the origin at the last vote or list build
 };
 
 }  // namespace stirsph

@@ -33,14 +33,13 @@ NamedState Simulation::named_state() const {
   state.numbers["ranks"] = {static_cast<double>(comm_.size())};
   state.numbers["partial_sums"] = comm_.all_gather(partial);
   state.numbers["clock"] = {clock_.time, static_cast<double>(clock_.step), clock_.dt, clock_.next_dt};
-  state.numbers["step_state"] = {displacement_,
-                                 speed_,
+  state.numbers["step_state"] = {speed_,
                                  penetration_,
                                  least_h_,
                                  time_since_heat_,
                                  list_expired_ ? 1.0 : 0.0,
-                                 neighbourhood_->reach(),
                                  static_cast<double>(particle_count_)};
+  state.numbers["pair_list"] = neighbourhood_->state();
   state.numbers["initial_kinetic"] = {load_ledger_.initial_kinetic};
   state.numbers["heat_ledger"] = {heat_ledger_.particles, heat_ledger_.rigid, heat_ledger_.source, heat_ledger_.fixed,
                                   heat_ledger_.ambient};
@@ -77,14 +76,13 @@ void Simulation::resume(const std::string& checkpoint) {
   };
   const auto& clock = numbers("clock", 4);
   clock_ = {clock[0], static_cast<std::int64_t>(clock[1]), clock[2], clock[3]};
-  const auto& step = numbers("step_state", 8);
-  displacement_ = step[0];
-  speed_ = step[1];
-  penetration_ = step[2];
-  least_h_ = step[3];
-  time_since_heat_ = step[4];
-  list_expired_ = step[5] != 0;
-  particle_count_ = static_cast<std::int64_t>(step[7]);
+  const auto& step = numbers("step_state", 6);
+  speed_ = step[0];
+  penetration_ = step[1];
+  least_h_ = step[2];
+  time_since_heat_ = step[3];
+  list_expired_ = step[4] != 0;
+  particle_count_ = static_cast<std::int64_t>(step[5]);
   load_ledger_.initial_kinetic = numbers("initial_kinetic", 1)[0];
   const auto& heat = numbers("heat_ledger", 5);
   heat_ledger_ = {heat[0], heat[1], heat[2], heat[3], heat[4], std::vector<BodyHeat>(rigids_.size())};
@@ -126,10 +124,11 @@ void Simulation::resume(const std::string& checkpoint) {
         *targets[k] += partial[owner * targets.size() + k];
   }
 
+  const auto& list = numbers("pair_list", 4);
   if (same_ranks)
-    neighbourhood_->restore(particles_, step[6]);
+    neighbourhood_->restore(particles_, list);
   else
-    neighbourhood_->rebuild(particles_, step[6] - neighbourhood_->skin(), true);
+    neighbourhood_->rebuild(particles_, list[0] - neighbourhood_->skin(), true);
   if (contact_) contact_->forget_candidates();
   collect_grip_members();
   measure_extent();

@@ -18,7 +18,20 @@ class StepVote {
   StepVote& operator=(const StepVote&) = delete;
 
   // this rank's ballot, replaced by the result of the vote (maxima)
-  enum Slot { Failure, Stop, WriteProgress, WriteCheckpoint, Displacement, Speed, Penetration, NegativeLength, slots };
+  enum Slot {
+    Failure,
+    Stop,
+    WriteProgress,
+    WriteCheckpoint,
+    Deviation,
+    RelativeSpeed,
+    Displacement,
+    Speed,
+    Acceleration,
+    Penetration,
+    NegativeLength,
+    slots
+  };
   double& operator[](Slot slot) { return values_[slot]; }
   double& sum(std::size_t k) { return values_[slots + k]; }
   /// Clears the ballot for the next step.

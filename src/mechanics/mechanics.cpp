@@ -79,12 +79,14 @@ struct RecordColumn {
   const double* values;
 };
 
-/// Fills records from columns, some particles at a time, so that a record is written while it is in the cache.
-void fill_records(const std::vector<RecordColumn>& columns, std::size_t particles, int record_size, double* records) {
+/// Fills the records of particles [begin, end) from columns, some particles at a time, so that a record is written
+/// while it is in the cache.
+void fill_records(const std::vector<RecordColumn>& columns, std::size_t begin, std::size_t end, int record_size,
+                  double* records) {
   constexpr std::size_t block = 64;
   const std::size_t stride = static_cast<std::size_t>(record_size);
-  for (std::size_t first = 0; first < particles; first += block) {
-    const std::size_t last = std::min(first + block, particles);
+  for (std::size_t first = begin; first < end; first += block) {
+    const std::size_t last = std::min(first + block, end);
     for (const RecordColumn& column : columns)
       for (std::size_t i = first; i < last; ++i) records[i * stride + column.slot] = column.values[i];
   }
@@ -93,7 +95,7 @@ void fill_records(const std::vector<RecordColumn>& columns, std::size_t particle
 }  // namespace
 
 template <class S>
-void MechanicsIn<S>::pack_gradient_records(const ParticleSet& particles) {
+void MechanicsIn<S>::pack_gradient_records(const ParticleSet& particles, std::size_t first, std::size_t last) {
   const auto pack = [&]<bool VariableH>() {
     using Record = GradientRecord<S, VariableH>;
     std::vector<RecordColumn> columns;
@@ -106,13 +108,13 @@ void MechanicsIn<S>::pack_gradient_records(const ParticleSet& particles) {
     if (settings_.density_diffusion > 0) put(Record::strain, field::volumetric_strain, 0);
     if constexpr (VariableH) put(Record::h, field::smoothing_length, 0);
     records_.resize(particles.capacity() * Record::size);
-    fill_records(columns, particles.capacity(), Record::size, records_.data());
+    fill_records(columns, first, last, Record::size, records_.data());
   };
   settings_.variable_h ? pack.template operator()<true>() : pack.template operator()<false>();
 }
 
 template <class S>
-void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles) {
+void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles, std::size_t first, std::size_t last) {
   const auto pack = [&]<bool VariableH, bool ArtificialStress, bool Full>() {
     using Record = MomentumRecord<S, VariableH, ArtificialStress, Full>;
     std::vector<RecordColumn> columns;
@@ -133,13 +135,13 @@ void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles) {
     if constexpr (ArtificialStress) put_tensor(Record::artificial, field::artificial_stress);
     if constexpr (VariableH) put(Record::h, field::smoothing_length, 0);
     records_.resize(particles.capacity() * Record::size);
-    fill_records(columns, particles.capacity(), Record::size, records_.data());
+    fill_records(columns, first, last, Record::size, records_.data());
 
     if (settings_.viscosity_alpha > 0 || settings_.viscosity_beta > 0) {
       std::vector<double> sound_speed;
       for (const Material& m : materials_) sound_speed.push_back(m.sound_speed() / std::sqrt(settings_.density_scale));
       const auto material = particles[field::material], mass = particles[field::mass];
-      for (std::size_t i = 0; i < particles.total(); ++i) {
+      for (std::size_t i = first; i < std::min(last, particles.total()); ++i) {
         double* const record = records_.data() + i * Record::size;
         record[Record::density] = settings_.density_scale * mass[i] / record[Record::volume];
         record[Record::impedance] = record[Record::density] * sound_speed[static_cast<std::size_t>(material[i])];
@@ -157,23 +159,49 @@ void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles) {
     artificial ? with_h.template operator()<true, false>() : with_h.template operator()<false, false>();
 }
 
+namespace {
+
+/// Calls sweep(first, last) for runs of at most `run` clusters: first those whose candidates are all this rank's, then
+/// the rest, with halo() between. The order depends on the list alone, whenever the messages arrive.
+template <class Sweep>
+void sweep_around_halo(const PairList& pairs, std::size_t clusters, std::size_t run, const Arrival& halo,
+                       const Sweep& sweep) {
+  std::vector<std::size_t> border;
+  for (std::size_t first = 0; first < clusters; first += run) {
+    const std::size_t last = std::min(first + run, clusters);
+    if (pairs.needs_halo(first, last))
+      border.push_back(first);
+    else
+      sweep(first, last);
+  }
+  halo();
+  for (const std::size_t first : border) sweep(first, std::min(first + run, clusters));
+}
+
+}  // namespace
+
 template <class S>
-void MechanicsIn<S>::update_stress(ParticleSet& particles, const PairList& pairs, double dt) {
+void MechanicsIn<S>::update_stress(ParticleSet& particles, const PairList& pairs, double dt, const Arrival& halo) {
   counters_ = {};
-  pack_gradient_records(particles);
+  pack_gradient_records(particles, 0, particles.owned());
   active_.begin(pairs, particles.owned());
   GradientBlock<S> block;
-  for (std::size_t first = 0; first < particles.clusters(); first += GradientBlock<S>::clusters) {
-    const std::size_t last = std::min(first + GradientBlock<S>::clusters, particles.clusters());
-    sweep_gradient(pairs, first, last, particles.owned(), block);
-    update_block(particles, block, first * cluster_size, dt);
-  }
+  const auto arrive = [&] {
+    halo();
+    pack_gradient_records(particles, particles.owned(), particles.capacity());
+  };
+  sweep_around_halo(pairs, particles.clusters(), GradientBlock<S>::clusters, arrive,
+                    [&](std::size_t first, std::size_t last) {
+                      sweep_gradient(pairs, first, last, particles.owned(), block);
+                      update_block(particles, block, first * cluster_size, dt);
+                    });
   active_.complete();
 }
 
 template <class S>
-void MechanicsIn<S>::update_acceleration(ParticleSet& particles, const PairList& pairs, double dt) {
-  pack_momentum_records(particles);
+void MechanicsIn<S>::update_acceleration(ParticleSet& particles, const PairList& pairs, double dt,
+                                         const Arrival& halo) {
+  pack_momentum_records(particles, 0, particles.owned());
   std::array<double*, S::dim> force;
   for (int d = 0; d < S::dim; ++d) {
     const auto component = particles.component(field::acceleration, d);
@@ -186,7 +214,14 @@ void MechanicsIn<S>::update_acceleration(ParticleSet& particles, const PairList&
   const MomentumConstants constants{smoothing_length(), settings_.spacing, settings_.viscosity_alpha,
                                     settings_.viscosity_beta};
   if (!active_.valid()) active_.take_all(pairs, particles.owned());
-  sweep_momentum(pairs, particles.clusters(), constants, force.data(), dissipation_.data(), artificial_power_.data());
+  const auto arrive = [&] {
+    halo();
+    pack_momentum_records(particles, particles.owned(), particles.capacity());
+  };
+  sweep_around_halo(
+      pairs, particles.clusters(), GradientBlock<S>::clusters, arrive, [&](std::size_t first, std::size_t last) {
+        sweep_momentum(pairs, first, last, constants, force.data(), dissipation_.data(), artificial_power_.data());
+      });
   active_.expire();
   const auto mass = particles[field::mass];
   for (int d = 0; d < S::dim; ++d)

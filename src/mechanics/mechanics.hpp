@@ -2,6 +2,7 @@
 /// written over the compile-time space behind a run-time interface; one dispatch per sweep.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct MechanicsCounters {
   long yielding = 0;               ///< particles that yielded
 };
 
+/// Waits for the halo copies. Called once by a sweep, when all that needs none of them is done.
+using Arrival = std::function<void()>;
+
 class Mechanics {
  public:
   virtual ~Mechanics() = default;
@@ -40,10 +44,12 @@ class Mechanics {
 
   /// Sweep 1 and the material: reads x at the end and v at the middle of the step (halo current), updates volumetric
   /// strain, volume, stress, plastic strain, heat. dt [s].
-  virtual void update_stress(ParticleSet& particles, const PairList& pairs, double dt) = 0;
+  virtual void update_stress(
+      ParticleSet& particles, const PairList& pairs, double dt, const Arrival& halo = [] {}) = 0;
   /// Sweep 2: acceleration [m/s2] by stress, viscosity and artificial stress (stress halo current); overwrites the
   /// field.
-  virtual void update_acceleration(ParticleSet& particles, const PairList& pairs, double dt) = 0;
+  virtual void update_acceleration(
+      ParticleSet& particles, const PairList& pairs, double dt, const Arrival& halo = [] {}) = 0;
 
   /// Largest wave speed [m/s] with density and elastic scaling.
   virtual double wave_speed() const = 0;

@@ -19,19 +19,19 @@ class MechanicsIn final : public Mechanics {
 
   void add_fields(ParticleSet& particles) const override;
   void initialise(ParticleSet& particles) const override;
-  void update_stress(ParticleSet& particles, const PairList& pairs, double dt) override;
-  void update_acceleration(ParticleSet& particles, const PairList& pairs, double dt) override;
+  void update_stress(ParticleSet& particles, const PairList& pairs, double dt, const Arrival& halo) override;
+  void update_acceleration(ParticleSet& particles, const PairList& pairs, double dt, const Arrival& halo) override;
   double wave_speed() const override;
   double least_smoothing_length(const ParticleSet& particles) const override;
   double support(const ParticleSet& particles) const override;
   std::size_t bytes() const override { return records_.capacity() * sizeof(double) + active_.bytes(); }
 
  private:
-  void pack_gradient_records(const ParticleSet& particles);
-  void pack_momentum_records(const ParticleSet& particles);
+  void pack_gradient_records(const ParticleSet& particles, std::size_t first, std::size_t last);
+  void pack_momentum_records(const ParticleSet& particles, std::size_t first, std::size_t last);
   void sweep_gradient(const PairList& pairs, std::size_t first, std::size_t last, std::size_t owned,
                       GradientBlock<S>& block);
-  void sweep_momentum(const PairList& pairs, std::size_t clusters, const MomentumConstants& constants,
+  void sweep_momentum(const PairList& pairs, std::size_t first, std::size_t last, const MomentumConstants& constants,
                       double* const* force, double* dissipation, double* artificial_power);
   void update_block(ParticleSet& particles, const GradientBlock<S>& block, std::size_t first, double dt);
 

@@ -1,6 +1,8 @@
 /// Keeps particles, halo and pair list consistent: migration, storage order, halo plan and list are renewed together.
 #pragma once
 
+#include <vector>
+
 #include "base/comm.hpp"
 #include "neighbours/pair_list.hpp"
 #include "parallel/decomposition.hpp"
@@ -9,6 +11,17 @@
 #include "particles/particle_set.hpp"
 
 namespace stirsph {
+
+/// How far particles have moved since the list was built, and how fast they move: largest values.
+struct ListMotion {
+  double deviation = 0;       ///< m, from the smooth motion
+  double relative_speed = 0;  ///< m/s, to the smooth motion
+  double displacement = 0;    ///< m
+  double speed = 0;           ///< m/s
+  double acceleration = 0;    ///< m/s2
+  double extent = 0;          ///< m, distance from the origin
+  bool finite = true;         ///< all velocities are numbers
+};
 
 class Neighbourhood {
  public:
@@ -21,7 +34,19 @@ class Neighbourhood {
   void rebuild(ParticleSet& particles, double support, bool repartition);
   /// After a restart on the same number of ranks: the very list the checkpointed run was using, from the positions it
   /// was built with, so that sums continue bit for bit. Collective.
-  void restore(ParticleSet& particles, double reach);
+  void restore(ParticleSet& particles, const std::vector<double>& state);
+  /// What `restore` needs besides the particles.
+  std::vector<double> state() const { return {reach_, age_, compression_, distance_}; }
+
+  /// The particles have moved for another dt [s].
+  void advance(double dt) { age_ += dt; }
+  /// Of this rank's particles.
+  ListMotion motion(const ParticleSet& particles) const;
+  /// Whether no pair outside the list can come within the support until the end of a next step of dt [s], given the
+  /// largest values over all ranks. Two particles a distance L > reach apart at the build are after the time t at least
+  /// L sqrt(1 - 2 c t) - 2 w apart, c the compression of the smooth motion and w the largest deviation from it; beyond
+  /// the distance for which c is known, L - 2 u with the largest displacement u.
+  bool holds(const ListMotion& motion, double dt) const;
 
   const PairList& pairs() const { return pairs_; }
   const HaloExchange& halo() const { return halo_; }
@@ -31,8 +56,6 @@ class Neighbourhood {
   long rebuilds() const { return rebuilds_; }
   /// Most loaded rank over the mean, from the number of candidate pairs; collective.
   double imbalance() const;
-  /// Largest squared displacement since the list was built, on this rank [m2].
-  double largest_displacement_squared(const ParticleSet& particles) const;
   std::size_t bytes() const { return pairs_.bytes(); }
 
  private:
@@ -40,6 +63,9 @@ class Neighbourhood {
   Domain domain_;
   double skin_;
   double reach_ = 0;
+  double age_ = 0;          ///< s since the list was built
+  double compression_ = 0;  ///< 1/s, of the smooth motion
+  double distance_ = 0;     ///< m, up to which it holds
   Decomposition decomposition_;
   HaloExchange halo_;
   PairList pairs_;

@@ -2,6 +2,7 @@
 /// kernel support of one of them while the list lives.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,6 +25,10 @@ class PairList {
   }
   /// Number of candidates of all clusters before c.
   std::size_t start(std::size_t c) const { return starts_[c]; }
+  /// Whether a cluster of [first, last) has halo copies among its candidates or fills up its registers with them.
+  bool needs_halo(std::size_t first, std::size_t last) const {
+    return std::find(needs_halo_.begin() + first, needs_halo_.begin() + last, 1) != needs_halo_.begin() + last;
+  }
   /// Number of candidates over all clusters.
   std::size_t size() const { return indices_.size(); }
   /// Grows by one with every build: lets others reuse what they derived from the list.
@@ -33,8 +38,12 @@ class PairList {
   }
 
  private:
+  template <int Dim>
+  void collect(const ParticleSet& particles, double reach);
+
   std::vector<std::size_t> starts_;
   std::vector<std::int32_t> indices_;
+  std::vector<char> needs_halo_;  ///< per cluster
   std::uint64_t version_ = 0;
 };
 

@@ -1,8 +1,8 @@
 #include "parallel/halo_exchange.hpp"
 
 #include <algorithm>
-#include <map>
-#include <unordered_map>
+#include <array>
+#include <tuple>
 
 #include "parallel/cell_table.hpp"
 #include "particles/field_names.hpp"
@@ -26,19 +26,40 @@ std::vector<Destination> destinations_from(const CellTable& cells, std::int64_t 
   return result;
 }
 
+constexpr int first_tag = 11;
+
+std::vector<const Field*> fields_of(const ParticleSet& particles, Halo role) {
+  std::vector<const Field*> fields;
+  for (const auto& field : particles.fields())
+    if (field->info->halo == role) fields.push_back(field.get());
+  return fields;
+}
+
+std::size_t width_of(const std::vector<const Field*>& fields) {
+  std::size_t width = 0;
+  for (const Field* field : fields) width += field->components.size();
+  return width;
+}
+
 }  // namespace
 
 void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double reach) {
-  std::unordered_map<std::int64_t, std::vector<Destination>> cache;
+  KeyNumbers numbers;
+  std::vector<std::vector<Destination>> destinations;  // per number
   std::map<int, Route> routes;
   bool shifted = false;
-  for (std::size_t i = 0; i < particles.owned(); ++i) {
-    const Vec3 x = particles.vector_at(field::position, i);
+  std::array<const double*, 3> position{};
+  for (int d = 0; d < cells.domain().dim; ++d) position[d] = particles.component(field::position, d).data();
+  const bool nobody = comm_.size() == 1 && !cells.domain().any_periodic();
+  std::vector<std::pair<int, Vec3>> sent_to;
+  for (std::size_t i = 0; i < particles.owned() && !nobody; ++i) {
+    Vec3 x;
+    for (int d = 0; d < cells.domain().dim; ++d) x[d] = position[d][i];
     const std::int64_t key = cells.key_of(x);
-    auto [found, fresh] = cache.try_emplace(key);
-    if (fresh) found->second = destinations_from(cells, key, comm_.rank());
-    std::vector<std::pair<int, Vec3>> sent_to;
-    for (const Destination& to : found->second) {
+    const std::size_t number = numbers.number(key);
+    if (number == destinations.size()) destinations.push_back(destinations_from(cells, key, comm_.rank()));
+    sent_to.clear();
+    for (const Destination& to : destinations[number]) {
       if (cells.distance_to_cell(x, to.cell) > reach) continue;
       const std::pair<int, Vec3> target{to.rank, to.shift};
       if (std::find(sent_to.begin(), sent_to.end(), target) != sent_to.end()) continue;
@@ -55,6 +76,7 @@ void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double 
   check_mpi(MPI_Alltoall(send_counts.data(), 1, MPI_INT, receive_counts.data(), 1, MPI_INT, comm_.handle()),
             "MPI_Alltoall");
 
+  channels_.clear();  // they refer to the routes
   routes_.clear();
   received_ = 0;
   for (int rank = 0; rank < comm_.size(); ++rank) {
@@ -72,37 +94,37 @@ void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double 
   std::vector<const Field*> all;
   for (const auto& field : particles.fields())
     if (field->info->halo != Halo::None) all.push_back(field.get());
-  exchange_fields(particles, all);
+  Channel once(comm_, routes_, width_of(all), first_tag);
+  once.start(all);
+  once.finish(particles, all);
 }
 
-void HaloExchange::exchange(ParticleSet& particles, Halo role) const {
-  std::vector<const Field*> fields;
-  for (const auto& field : particles.fields())
-    if (field->info->halo == role) fields.push_back(field.get());
-  exchange_fields(particles, fields);
-}
-
-void HaloExchange::exchange_fields(ParticleSet& particles, const std::vector<const Field*>& fields) const {
-  std::size_t width = 0;
-  for (const Field* field : fields) width += field->components.size();
-  if (width == 0 || routes_.empty()) return;
-
-  constexpr int tag = 11;
-  std::vector<std::vector<double>> outboxes(routes_.size()), inboxes(routes_.size());
-  std::vector<MPI_Request> requests;
-  for (std::size_t k = 0; k < routes_.size(); ++k) {
-    const Route& route = routes_[k];
-    if (route.rank == comm_.rank() || route.received == 0) continue;
-    inboxes[k].resize(route.received * width);
-    check_mpi(MPI_Irecv(inboxes[k].data(), static_cast<int>(inboxes[k].size()), MPI_DOUBLE, route.rank, tag,
-                        comm_.handle(), &requests.emplace_back()),
-              "MPI_Irecv");
+HaloExchange::Channel::Channel(const Comm& comm, const std::vector<Route>& routes, std::size_t width, int tag)
+    : own_rank_(comm.rank()), routes_(routes), width_(width), outboxes_(routes.size()), inboxes_(routes.size()) {
+  for (std::size_t k = 0; k < routes.size(); ++k) {
+    const Route& route = routes[k];
+    outboxes_[k].resize(route.sent.size() * width);
+    inboxes_[k].resize(route.received * width);
+    if (route.rank == own_rank_) continue;
+    if (!inboxes_[k].empty())
+      check_mpi(MPI_Recv_init(inboxes_[k].data(), static_cast<int>(inboxes_[k].size()), MPI_DOUBLE, route.rank, tag,
+                              comm.handle(), &requests_.emplace_back()),
+                "MPI_Recv_init");
+    if (!outboxes_[k].empty())
+      check_mpi(MPI_Send_init(outboxes_[k].data(), static_cast<int>(outboxes_[k].size()), MPI_DOUBLE, route.rank, tag,
+                              comm.handle(), &requests_.emplace_back()),
+                "MPI_Send_init");
   }
+}
+
+HaloExchange::Channel::~Channel() {
+  for (MPI_Request& request : requests_) MPI_Request_free(&request);
+}
+
+void HaloExchange::Channel::start(const std::vector<const Field*>& fields) {
   for (std::size_t k = 0; k < routes_.size(); ++k) {
     const Route& route = routes_[k];
-    auto& outbox = outboxes[k];
-    outbox.resize(route.sent.size() * width);
-    double* write = outbox.data();
+    double* write = (route.rank == own_rank_ ? inboxes_ : outboxes_)[k].data();
     for (const Field* field : fields) {
       const bool is_position = field->info->name == field::position.name && !route.shifts.empty();
       for (std::size_t c = 0; c < field->components.size(); ++c) {
@@ -114,17 +136,15 @@ void HaloExchange::exchange_fields(ParticleSet& particles, const std::vector<con
           for (const std::int32_t i : route.sent) *write++ = values[i];
       }
     }
-    if (route.rank == comm_.rank())
-      inboxes[k] = std::move(outbox);
-    else if (!route.sent.empty())
-      check_mpi(MPI_Isend(outbox.data(), static_cast<int>(outbox.size()), MPI_DOUBLE, route.rank, tag, comm_.handle(),
-                          &requests.emplace_back()),
-                "MPI_Isend");
   }
-  check_mpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
+  if (!requests_.empty()) check_mpi(MPI_Startall(static_cast<int>(requests_.size()), requests_.data()), "MPI_Startall");
+}
+
+void HaloExchange::Channel::finish(ParticleSet& particles, const std::vector<const Field*>& fields) {
+  check_mpi(MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
   for (std::size_t k = 0; k < routes_.size(); ++k) {
     const Route& route = routes_[k];
-    const double* read = inboxes[k].data();
+    const double* read = inboxes_[k].data();
     for (const Field* field : fields)
       for (std::size_t c = 0; c < field->components.size(); ++c) {
         auto values = particles.component(*field->info, static_cast<int>(c));
@@ -132,6 +152,32 @@ void HaloExchange::exchange_fields(ParticleSet& particles, const std::vector<con
         read += route.received;
       }
   }
+}
+
+HaloExchange::Channel& HaloExchange::channel(Halo role, std::size_t width) const {
+  auto found = channels_.find(role);
+  if (found != channels_.end() && found->second.width() != width) {  // a field of this role was added since
+    channels_.erase(found);
+    found = channels_.end();
+  }
+  if (found == channels_.end())
+    found = channels_
+                .emplace(std::piecewise_construct, std::forward_as_tuple(role),
+                         std::forward_as_tuple(comm_, routes_, width, first_tag + 1 + static_cast<int>(role)))
+                .first;
+  return found->second;
+}
+
+void HaloExchange::start(const ParticleSet& particles, Halo role) const {
+  if (routes_.empty()) return;
+  const std::vector<const Field*> fields = fields_of(particles, role);
+  channel(role, width_of(fields)).start(fields);
+}
+
+void HaloExchange::finish(ParticleSet& particles, Halo role) const {
+  if (routes_.empty()) return;
+  const std::vector<const Field*> fields = fields_of(particles, role);
+  channel(role, width_of(fields)).finish(particles, fields);
 }
 
 std::size_t HaloExchange::sent() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "base/comm.hpp"
@@ -15,13 +16,22 @@ class CellTable;
 class HaloExchange {
  public:
   explicit HaloExchange(Comm comm) : comm_(comm) {}
+  HaloExchange(const HaloExchange&) = delete;  // channels refer to the routes of their own exchange
+  HaloExchange& operator=(const HaloExchange&) = delete;
 
   /// Makes the plan: every particle within `reach` of a cell where another rank (or a periodic image) has particles is
   /// sent there. Resizes the halo of `particles` and fills all fields with a halo role. Collective.
   void build(ParticleSet& particles, const CellTable& cells, double reach);
 
   /// Refreshes the halo copies of every field with this role. Collective over the ranks that share a border.
-  void exchange(ParticleSet& particles, Halo role) const;
+  void exchange(ParticleSet& particles, Halo role) const {
+    start(particles, role);
+    finish(particles, role);
+  }
+  /// The same in two parts: `start` sends what the owned particles hold now, `finish` waits and fills the copies. Other
+  /// roles may be exchanged in between.
+  void start(const ParticleSet& particles, Halo role) const;
+  void finish(ParticleSet& particles, Halo role) const;
 
   std::size_t sent() const;
   std::size_t received() const { return received_; }
@@ -35,11 +45,32 @@ class HaloExchange {
     std::size_t first_received = 0;  ///< local index of the first copy that comes back from that rank
     std::size_t received = 0;
   };
-  void exchange_fields(ParticleSet& particles, const std::vector<const Field*>& fields) const;
+  /// Persistent messages that carry some fields along the routes, with their buffers. The layout of a buffer is field,
+  /// component, particle.
+  class Channel {
+   public:
+    Channel(const Comm& comm, const std::vector<Route>& routes, std::size_t width, int tag);
+    ~Channel();
+    Channel(const Channel&) = delete;
+    Channel& operator=(const Channel&) = delete;
+
+    void start(const std::vector<const Field*>& fields);
+    void finish(ParticleSet& particles, const std::vector<const Field*>& fields);
+    std::size_t width() const { return width_; }
+
+   private:
+    int own_rank_;
+    const std::vector<Route>& routes_;
+    std::size_t width_;
+    std::vector<std::vector<double>> outboxes_, inboxes_;
+    std::vector<MPI_Request> requests_;
+  };
+  Channel& channel(Halo role, std::size_t width) const;
 
   Comm comm_;
   std::vector<Route> routes_;
   std::size_t received_ = 0;
+  mutable std::map<Halo, Channel> channels_;  ///< made at the first exchange of a role along the present routes
 };
 
 }  // namespace stirsph

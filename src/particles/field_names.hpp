@@ -24,6 +24,13 @@ inline constexpr FieldInfo position_at_list_build{
     Shape::Position,
     Halo::None,
     true};
+inline constexpr FieldInfo smooth_velocity{
+    "smooth_velocity",
+    "m/s",
+    "smooth motion at the place where the pair list was made; the list ages relative to it",
+    Shape::Position,
+    Halo::None,
+    true};
 inline constexpr FieldInfo velocity{"velocity", "m/s", "velocity", Shape::Velocity, Halo::Kinematic, true, true};
 inline constexpr FieldInfo acceleration{"acceleration", "m/s2", "acceleration by all forces", Shape::Velocity};
 inline constexpr FieldInfo volumetric_strain{"volumetric_strain", "1", "ln(rho0/rho), the integral of div v",

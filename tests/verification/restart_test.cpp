@@ -64,7 +64,7 @@ TEST(Restart, WhenTheListHasJustExpiredG3) {
   const Comm comm;
   const std::string path = scratch(comm, "expired.h5");
   const auto straight = started(verification_scene("spinning_block"));
-  const auto expired = [&] { return straight->named_state().numbers.at("step_state").at(5) != 0; };
+  const auto expired = [&] { return straight->named_state().numbers.at("step_state").at(4) != 0; };
   while (!expired() && straight->clock().step < 1000) straight->step();
   ASSERT_TRUE(expired());
   write_checkpoint(comm, path, straight->particles(), straight->named_state());
