@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 
 #include "base/timer.hpp"
 #include "io/files.hpp"
@@ -62,22 +61,18 @@ std::int64_t count_candidates(Part& part, double reach, std::vector<double>& wor
 Partition cut(const Comm& comm, const Scene& scene, const ParticleSet& all, double reach, int part_count,
               std::vector<double>& work) {
   CellTable cells(comm, all, scene.domain, reach, work);
-  std::vector<std::int64_t> keys;
-  for (const auto& entry : cells.entries()) keys.push_back(entry.key);
   Partition partition;
   partition.parts = part_count;
   partition.by_work = !work.empty();
   const double start = wall_seconds();
-  const std::vector<int> owners = partition_cells(comm, cells, keys, part_count);
+  const std::vector<int> owners = partition_cells(comm, cells, part_count);
   partition.metis_seconds = wall_seconds() - start;
-  cells.set_owners(keys, owners);
+  cells.set_owners(owners);
 
   std::vector<Part> parts;
   for (int p = 0; p < part_count; ++p) parts.emplace_back(all.layout());
-  for (std::size_t i = 0; i < all.owned(); ++i) {
-    const auto key = std::lower_bound(keys.begin(), keys.end(), cells.particle_keys()[i]);
-    parts[owners[key - keys.begin()]].members.push_back(static_cast<std::int32_t>(i));
-  }
+  for (std::size_t i = 0; i < all.owned(); ++i)
+    parts[owners[cells.particle_cells()[i]]].members.push_back(static_cast<std::int32_t>(i));
   partition.shares.resize(part_count);
   for (Part& part : parts) copy_members(all, part);
   work.resize(all.owned());
@@ -125,10 +120,10 @@ double median_seconds(Work&& work) {
 /// The part of a rebuild that does not become smaller with more ranks: one particle in every cell shows it.
 double measure_table(const Comm& comm, const Scene& scene, const ParticleSet& all, double reach) {
   const CellTable cells(comm, all, scene.domain, reach);
-  std::map<std::int64_t, std::size_t> first;
-  for (std::size_t i = 0; i < all.owned(); ++i) first.try_emplace(cells.particle_keys()[i], i);
   Part sample(all.layout());
-  for (const auto& [key, i] : first) sample.members.push_back(static_cast<std::int32_t>(i));
+  sample.members.resize(cells.keys().size());
+  for (std::size_t i = 0; i < all.owned(); ++i)
+    sample.members[cells.particle_cells()[i]] = static_cast<std::int32_t>(i);
   copy_members(all, sample);
   return median_seconds([&] { Decomposition(comm).redistribute(sample.particles, scene.domain, reach, false, {}); });
 }
@@ -177,7 +172,7 @@ PartitionStudy study_partitions(const Scene& scene, const std::vector<int>& part
     study.rebuild_seconds = median_seconds([&] { neighbourhood.rebuild(all, support, false); });
   }
   all.resize_halo(0);
-  study.cells = static_cast<std::int64_t>(CellTable(comm, all, scene.domain, reach).entries().size());
+  study.cells = static_cast<std::int64_t>(CellTable(comm, all, scene.domain, reach).keys().size());
   study.table_seconds = measure_table(comm, scene, all, reach);
 
   for (const int part_count : part_counts) {

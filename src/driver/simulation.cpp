@@ -137,9 +137,15 @@ void Simulation::renew_neighbours() {
 }
 
 void Simulation::measure_extent() {
-  farthest_ = 0;
-  for (std::size_t i = 0; i < particles_.owned(); ++i)
-    farthest_ = std::max(farthest_, norm(particles_.vector_at(field::position, i)));
+  std::array<const double*, 3> x{};
+  for (int d = 0; d < particles_.layout().dim; ++d) x[d] = particles_.component(field::position, d).data();
+  double farthest2 = 0;
+  for (std::size_t i = 0; i < particles_.owned(); ++i) {
+    double r2 = 0;
+    for (int d = 0; d < particles_.layout().dim; ++d) r2 += x[d][i] * x[d][i];
+    farthest2 = std::max(farthest2, r2);
+  }
+  farthest_ = std::sqrt(farthest2);
 }
 
 void Simulation::apply_loads(double dt) {

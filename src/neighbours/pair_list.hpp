@@ -31,6 +31,9 @@ class PairList {
   }
 
  private:
+  template <int Dim>
+  void collect(const ParticleSet& particles, double reach);
+
   std::vector<std::size_t> starts_;
   std::vector<std::int32_t> indices_;
   std::uint64_t version_ = 0;

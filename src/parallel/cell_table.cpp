@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <unordered_map>
 
 #include "particles/field_names.hpp"
 
@@ -24,11 +23,15 @@ CellTable::CellTable(const Comm& comm, const ParticleSet& particles, const Domai
     size_[d] = domain.length(d) / static_cast<double>(period_[d]);
     spread_[d] = static_cast<std::int64_t>(std::ceil(reach / size_[d] - 1e-9));
   }
-  particle_keys_.resize(particles.owned());
-  std::unordered_map<std::int64_t, double> local;
+  particle_cells_.resize(particles.owned());
+  KeyNumbers numbers;
+  std::vector<double> local;  // weight per cell of this rank
   comm.together([&] {
+    std::array<const double*, 3> position{};
+    for (int d = 0; d < domain.dim; ++d) position[d] = particles.component(field::position, d).data();
     for (std::size_t i = 0; i < particles.owned(); ++i) {
-      const Vec3 x = particles.vector_at(field::position, i);
+      Vec3 x;
+      for (int d = 0; d < domain.dim; ++d) x[d] = position[d][i];
       for (int d = 0; d < domain.dim; ++d)
         if (!std::isfinite(x[d]) || std::abs(x[d]) > size_[d] * static_cast<double>(key_offset - 4))
           throw BlowUp(
@@ -36,15 +39,16 @@ CellTable::CellTable(const Comm& comm, const ParticleSet& particles, const Domai
               " is lost: its position is (" + std::to_string(x.x) + ", " + std::to_string(x.y) + ", " +
               std::to_string(x.z) +
               ") m. Reduce the time step (time.cfl) or the mass scaling, or check contact and initial overlap.");
-      particle_keys_[i] = key_of(x);
-      local[particle_keys_[i]] += weights.empty() ? 1.0 : weights[i];
+      particle_cells_[i] = numbers.number(key_of(x));
+      local.resize(numbers.keys().size());
+      local[particle_cells_[i]] += weights.empty() ? 1.0 : weights[i];
     }
   });
   std::vector<std::int64_t> packed;  // key and bits of the weight, side by side in one message
   packed.reserve(2 * local.size());
-  for (const auto& [key, weight] : local) {
-    packed.push_back(key);
-    packed.push_back(std::bit_cast<std::int64_t>(weight));
+  for (std::size_t c = 0; c < local.size(); ++c) {
+    packed.push_back(numbers.keys()[c]);
+    packed.push_back(std::bit_cast<std::int64_t>(local[c]));
   }
   const std::vector<std::int64_t> sizes = comm.all_gather(std::vector<std::int64_t>{std::int64_t(packed.size())});
   const std::vector<std::int64_t> all = comm.all_gather(packed);
@@ -55,6 +59,13 @@ CellTable::CellTable(const Comm& comm, const ParticleSet& particles, const Domai
       entries_.push_back({all[at], rank, std::bit_cast<double>(all[at + 1])});
   std::sort(entries_.begin(), entries_.end(),
             [](const Presence& a, const Presence& b) { return a.key != b.key ? a.key < b.key : a.rank < b.rank; });
+  for (const Presence& entry : entries_)
+    if (keys_.empty() || keys_.back() != entry.key) keys_.push_back(entry.key);
+
+  std::vector<std::int32_t> place;  // of a local cell in keys_
+  for (const std::int64_t key : numbers.keys())
+    place.push_back(static_cast<std::int32_t>(std::lower_bound(keys_.begin(), keys_.end(), key) - keys_.begin()));
+  for (std::int32_t& cell : particle_cells_) cell = place[cell];
 }
 
 CellIndex CellTable::index_of(const Vec3& position) const {
@@ -120,16 +131,43 @@ double CellTable::distance_to_cell(const Vec3& point, const CellIndex& cell) con
   return std::sqrt(sum);
 }
 
-void CellTable::set_owners(const std::vector<std::int64_t>& keys, const std::vector<int>& owners) {
+void CellTable::set_owners(const std::vector<int>& owners) {
   std::vector<Presence> merged;
-  merged.reserve(keys.size());
+  merged.reserve(keys_.size());
   std::size_t at = 0;
-  for (std::size_t k = 0; k < keys.size(); ++k) {
+  for (std::size_t k = 0; k < keys_.size(); ++k) {
     double weight = 0;
-    for (; at < entries_.size() && entries_[at].key == keys[k]; ++at) weight += entries_[at].weight;
-    merged.push_back({keys[k], owners[k], weight});
+    for (; at < entries_.size() && entries_[at].key == keys_[k]; ++at) weight += entries_[at].weight;
+    merged.push_back({keys_[k], owners[k], weight});
   }
   entries_ = std::move(merged);
+}
+
+std::size_t KeyNumbers::start_of(std::int64_t key) const {
+  // Fibonacci hashing: the high bits of the product depend on all bits of the key.
+  const std::uint64_t mixed = static_cast<std::uint64_t>(key) * 0x9e3779b97f4a7c15u;
+  return static_cast<std::size_t>(mixed >> 32) & (table_.size() - 1);
+}
+
+void KeyNumbers::grow() {
+  table_.assign(std::max<std::size_t>(1024, 2 * table_.size()), -1);
+  for (std::size_t k = 0; k < keys_.size(); ++k) {
+    std::size_t slot = start_of(keys_[k]);
+    while (table_[slot] >= 0) slot = (slot + 1) & (table_.size() - 1);
+    table_[slot] = static_cast<std::int32_t>(k);
+  }
+}
+
+std::int32_t KeyNumbers::number(std::int64_t key) {
+  if (last_ >= 0 && keys_[last_] == key) return last_;
+  if (2 * keys_.size() >= table_.size()) grow();
+  std::size_t slot = start_of(key);
+  while (table_[slot] >= 0 && keys_[table_[slot]] != key) slot = (slot + 1) & (table_.size() - 1);
+  if (table_[slot] < 0) {
+    table_[slot] = static_cast<std::int32_t>(keys_.size());
+    keys_.push_back(key);
+  }
+  return last_ = table_[slot];
 }
 
 }  // namespace stirsph

@@ -47,10 +47,12 @@ class CellTable {
   const Domain& domain() const { return domain_; }
   const std::vector<Presence>& entries() const { return entries_; }
   CellIndex decode(std::int64_t key) const;
-  /// The cells the owned particles sit in, in particle order.
-  const std::vector<std::int64_t>& particle_keys() const { return particle_keys_; }
-  /// Says that every cell now belongs wholly to the given owner (after migration); `owners` runs over distinct keys.
-  void set_owners(const std::vector<std::int64_t>& keys, const std::vector<int>& owners);
+  /// The keys of all occupied cells, in order.
+  const std::vector<std::int64_t>& keys() const { return keys_; }
+  /// For each owned particle the place of its cell in `keys()`.
+  const std::vector<std::int32_t>& particle_cells() const { return particle_cells_; }
+  /// Says that every cell now belongs wholly to the given owner (after migration); `owners` runs over `keys()`.
+  void set_owners(const std::vector<int>& owners);
 
  private:
   std::int64_t encode(const CellIndex& cell) const;
@@ -60,7 +62,24 @@ class CellTable {
   std::array<std::int64_t, 3> period_{};  ///< cells per period, 0 when not periodic
   std::array<std::int64_t, 3> spread_{};  ///< how many cells away neighbours may be
   std::vector<Presence> entries_;         ///< sorted by key, then rank
-  std::vector<std::int64_t> particle_keys_;
+  std::vector<std::int64_t> keys_;
+  std::vector<std::int32_t> particle_cells_;
+};
+
+/// Numbers distinct keys in order of appearance. Neighbouring particles mostly ask for the same key again.
+class KeyNumbers {
+ public:
+  /// The number of a key, a new one when it was not seen before.
+  std::int32_t number(std::int64_t key);
+  const std::vector<std::int64_t>& keys() const { return keys_; }
+
+ private:
+  void grow();
+  std::size_t start_of(std::int64_t key) const;
+
+  std::vector<std::int64_t> keys_;
+  std::vector<std::int32_t> table_;  ///< open addressing; -1: free
+  std::int32_t last_ = -1;
 };
 
 }  // namespace stirsph

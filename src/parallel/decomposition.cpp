@@ -9,19 +9,12 @@
 namespace stirsph {
 namespace {
 
-std::vector<std::int64_t> distinct_keys(const CellTable& table) {
-  std::vector<std::int64_t> keys;
-  for (const auto& entry : table.entries())
-    if (keys.empty() || keys.back() != entry.key) keys.push_back(entry.key);
-  return keys;
-}
-
-std::vector<int> owners_by_majority(const CellTable& table, const std::vector<std::int64_t>& keys) {
+std::vector<int> owners_by_majority(const CellTable& table) {
   std::vector<int> owners;
-  owners.reserve(keys.size());
+  owners.reserve(table.keys().size());
   std::size_t at = 0;
   const auto& entries = table.entries();
-  for (std::int64_t key : keys) {
+  for (const std::int64_t key : table.keys()) {
     std::size_t best = at;
     for (; at < entries.size() && entries[at].key == key; ++at)
       if (entries[at].weight > entries[best].weight) best = at;
@@ -30,42 +23,42 @@ std::vector<int> owners_by_majority(const CellTable& table, const std::vector<st
   return owners;
 }
 
-/// Sends every particle to the owner of its cell. The order on arrival (by sending rank, then by index) is
-/// deterministic.
+/// Sends the particles that change owner. Those that stay keep their place, but for some that fill the gaps; arrivals
+/// stand behind them by sending rank. Fields that are not state lose their meaning.
 void migrate(const Comm& comm, ParticleSet& particles, const std::vector<int>& destination) {
   const std::size_t width = particles.state_width();
   const int size = comm.size();
-  std::vector<int> send_counts(size, 0), receive_counts(size), send_offsets(size), receive_offsets(size);
-  for (int rank : destination) send_counts[rank] += 1;
-  check_mpi(MPI_Alltoall(send_counts.data(), 1, MPI_INT, receive_counts.data(), 1, MPI_INT, comm.handle()),
-            "MPI_Alltoall");
-  std::exclusive_scan(send_counts.begin(), send_counts.end(), send_offsets.begin(), 0);
-  std::exclusive_scan(receive_counts.begin(), receive_counts.end(), receive_offsets.begin(), 0);
-  const std::size_t incoming = receive_offsets.back() + receive_counts.back();
+  std::vector<std::vector<double>> outgoing(size);
+  std::vector<std::size_t> leavers;
+  for (std::size_t i = 0; i < destination.size(); ++i) {
+    if (destination[i] == comm.rank()) continue;
+    leavers.push_back(i);
+    auto& outbox = outgoing[destination[i]];
+    outbox.resize(outbox.size() + width);
+    particles.pack_state(i, outbox.data() + outbox.size() - width);
+  }
+  const std::vector<double> inbox = comm.exchange(outgoing);
 
-  std::vector<double> outbox(destination.size() * width), inbox(incoming * width);
-  std::vector<int> next = send_offsets;
-  for (std::size_t i = 0; i < destination.size(); ++i)
-    particles.pack_state(i, outbox.data() + width * static_cast<std::size_t>(next[destination[i]]++));
-
-  MPI_Datatype record;
-  check_mpi(MPI_Type_contiguous(static_cast<int>(width), MPI_DOUBLE, &record), "MPI_Type_contiguous");
-  check_mpi(MPI_Type_commit(&record), "MPI_Type_commit");
-  check_mpi(MPI_Alltoallv(outbox.data(), send_counts.data(), send_offsets.data(), record, inbox.data(),
-                          receive_counts.data(), receive_offsets.data(), record, comm.handle()),
-            "MPI_Alltoallv");
-  check_mpi(MPI_Type_free(&record), "MPI_Type_free");
-
-  particles.resize_owned(incoming);
-  for (std::size_t i = 0; i < incoming; ++i) particles.unpack_state(i, inbox.data() + width * i);
+  std::size_t staying = particles.owned();
+  std::vector<double> record(width);
+  for (auto gap = leavers.rbegin(); gap != leavers.rend(); ++gap) {
+    staying -= 1;
+    if (*gap == staying) continue;
+    particles.pack_state(staying, record.data());
+    particles.unpack_state(*gap, record.data());
+  }
+  const std::size_t arrivals = inbox.size() / width;
+  if (leavers.empty() && arrivals == 0) return;
+  particles.resize_owned(staying + arrivals);
+  for (std::size_t k = 0; k < arrivals; ++k) particles.unpack_state(staying + k, inbox.data() + width * k);
 }
 
 }  // namespace
 
-std::vector<int> partition_cells(const Comm& comm, const CellTable& table, const std::vector<std::int64_t>& keys,
-                                 int parts) {
+std::vector<int> partition_cells(const Comm& comm, const CellTable& table, int parts) {
   Graph graph;
   if (comm.is_root()) {
+    const std::vector<std::int64_t>& keys = table.keys();
     const std::size_t n = keys.size();
     std::vector<double> cost(n, 0);
     std::size_t at = 0;
@@ -104,17 +97,12 @@ CellTable Decomposition::redistribute(ParticleSet& particles, const Domain& doma
       if (std::isfinite(x[i])) x[i] = domain.wrap(x[i], d);
   }
   CellTable table(comm_, particles, domain, reach, weights);
-  const std::vector<std::int64_t> keys = distinct_keys(table);
-  const std::vector<int> owners =
-      repartition ? partition_cells(comm_, table, keys, comm_.size()) : owners_by_majority(table, keys);
+  const std::vector<int> owners = repartition ? partition_cells(comm_, table, comm_.size()) : owners_by_majority(table);
 
   std::vector<int> destination(particles.owned());
-  for (std::size_t i = 0; i < destination.size(); ++i) {
-    const auto found = std::lower_bound(keys.begin(), keys.end(), table.particle_keys()[i]);
-    destination[i] = owners[found - keys.begin()];
-  }
+  for (std::size_t i = 0; i < destination.size(); ++i) destination[i] = owners[table.particle_cells()[i]];
   migrate(comm_, particles, destination);
-  table.set_owners(keys, owners);
+  table.set_owners(owners);
   return table;
 }
 

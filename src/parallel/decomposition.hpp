@@ -27,10 +27,8 @@ class Decomposition {
   Comm comm_;
 };
 
-/// METIS partition of the graph of occupied cells into `parts`; result over the distinct keys of the table, in key
-/// order. Vertex weight: cost of the cell; edge weight: the copies a cut would need. The same on all ranks (rank 0
-/// decides).
-std::vector<int> partition_cells(const Comm& comm, const CellTable& table, const std::vector<std::int64_t>& keys,
-                                 int parts);
+/// METIS partition of the graph of occupied cells into `parts`; result over the keys of the table. Vertex weight: cost
+/// of the cell; edge weight: the copies a cut would need. The same on all ranks (rank 0 decides).
+std::vector<int> partition_cells(const Comm& comm, const CellTable& table, int parts);
 
 }  // namespace stirsph

@@ -1,7 +1,7 @@
 #include "parallel/halo_exchange.hpp"
 
 #include <algorithm>
-#include <unordered_map>
+#include <array>
 
 #include "parallel/cell_table.hpp"
 #include "particles/field_names.hpp"
@@ -28,15 +28,20 @@ std::vector<Destination> destinations_from(const CellTable& cells, std::int64_t 
 }  // namespace
 
 std::map<int, HaloCopies> plan_halo(const ParticleSet& particles, const CellTable& cells, double reach, int own_rank) {
-  std::unordered_map<std::int64_t, std::vector<Destination>> cache;
+  KeyNumbers numbers;
+  std::vector<std::vector<Destination>> destinations;  // per number
   std::map<int, HaloCopies> plan;
+  std::array<const double*, 3> position{};
+  for (int d = 0; d < cells.domain().dim; ++d) position[d] = particles.component(field::position, d).data();
+  std::vector<std::pair<int, Vec3>> sent_to;
   for (std::size_t i = 0; i < particles.owned(); ++i) {
-    const Vec3 x = particles.vector_at(field::position, i);
+    Vec3 x;
+    for (int d = 0; d < cells.domain().dim; ++d) x[d] = position[d][i];
     const std::int64_t key = cells.key_of(x);
-    auto [found, fresh] = cache.try_emplace(key);
-    if (fresh) found->second = destinations_from(cells, key, own_rank);
-    std::vector<std::pair<int, Vec3>> sent_to;
-    for (const Destination& to : found->second) {
+    const std::size_t number = numbers.number(key);
+    if (number == destinations.size()) destinations.push_back(destinations_from(cells, key, own_rank));
+    sent_to.clear();
+    for (const Destination& to : destinations[number]) {
       if (cells.distance_to_cell(x, to.cell) > reach) continue;
       const std::pair<int, Vec3> target{to.rank, to.shift};
       if (std::find(sent_to.begin(), sent_to.end(), target) != sent_to.end()) continue;
@@ -50,7 +55,9 @@ std::map<int, HaloCopies> plan_halo(const ParticleSet& particles, const CellTabl
 }
 
 void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double reach) {
-  std::map<int, HaloCopies> plan = plan_halo(particles, cells, reach, comm_.rank());
+  const bool nobody = comm_.size() == 1 && !cells.domain().any_periodic();
+  std::map<int, HaloCopies> plan;
+  if (!nobody) plan = plan_halo(particles, cells, reach, comm_.rank());
   bool shifted = false;
   for (const auto& [rank, copies] : plan)
     for (const Vec3& shift : copies.shifts) shifted |= shift != Vec3{};

@@ -79,12 +79,16 @@ void ParticleSet::resize_halo(std::size_t n) { allocate(owned_ + n); }
 
 void ParticleSet::reorder(const std::vector<std::int32_t>& order) {
   STIRSPH_EXPECT(order.size() == owned_, "an order names every owned particle once");
-  AlignedVector moved(order.size());
-  for (auto& field : fields_)
+  AlignedVector moved;
+  moved.reserve(capacity_);
+  for (auto& field : fields_) {
+    if (!field->info->checkpoint) continue;
     for (auto& values : field->components) {
+      moved.resize(order.size());
       for (std::size_t k = 0; k < order.size(); ++k) moved[k] = values[order[k]];
-      std::copy(moved.begin(), moved.end(), values.begin());
+      std::swap(moved, values);
     }
+  }
   allocate(owned_);
 }
 

@@ -70,7 +70,8 @@ class ParticleSet {
   void resize_owned(std::size_t n);
   /// Sets the number of halo copies behind the owned particles, keeping the owned values.
   void resize_halo(std::size_t n);
-  /// New order of the owned particles: new[k] = old[order[k]]. Halo copies are dropped.
+  /// New order of the owned particles: new[k] = old[order[k]]. Halo copies are dropped; fields that are not state lose
+  /// their meaning, as they do in a migration.
   void reorder(const std::vector<std::int32_t>& order);
 
   /// Doubles per particle over all fields that are state (checkpoint = true): the record that migrates.
