@@ -5,6 +5,7 @@
 
 #include "base/comm.hpp"
 #include "base/log.hpp"
+#include "driver/partition_check.hpp"
 #include "driver/run.hpp"
 #include "driver/scene_check.hpp"
 #include "io/files.hpp"
@@ -40,6 +41,8 @@ struct Arguments {
   std::string command = "run", scene, wall_limit, petsc;
   std::vector<std::string> overrides;
   RunOptions run;
+  std::vector<int> parts;
+  std::string partition_file;
 };
 
 ExitCode execute(const Comm& comm, Arguments& arguments) {
@@ -48,6 +51,10 @@ ExitCode execute(const Comm& comm, Arguments& arguments) {
     return ExitCode::Finished;
   }
   const Scene scene = read_scene(arguments.scene, arguments.overrides);
+  if (arguments.command == "check" && !arguments.parts.empty()) {
+    report_partitions(comm, scene, arguments.parts, arguments.partition_file);
+    return ExitCode::Finished;
+  }
   if (arguments.command == "check") {
     const std::string report = check_scene(comm, scene);
     if (comm.is_root()) std::cout << report;
@@ -82,6 +89,14 @@ int main(int argc, char** argv) {
     auto* check = app.add_subcommand("check", "say what a scene would run, without running it");
     check->add_option("scene", arguments.scene, "scene file (TOML)")->required();
     check->add_option("-P,--parameter", arguments.overrides, "override, section.key=value");
+    auto* partition = check
+                          ->add_option("--partition", arguments.parts,
+                                       "instead: how METIS would cut the particles, for these numbers of ranks, "
+                                       "comma-separated")
+                          ->delimiter(',')
+                          ->check(CLI::Range(1, most_parts));
+    check->add_option("--partition-file", arguments.partition_file, "and every part's share in this file (CSV)")
+        ->needs(partition);
     app.add_subcommand("manual", "print the parameter manual (Markdown)");
     app.footer(
         "Exit codes: 0 finished, 1 internal error, 2 wrong input, 3 blow-up, 4 linear solver failed, 5 file could "

@@ -10,6 +10,7 @@
 #include "base/log.hpp"
 #include "bench/report.hpp"
 #include "bench/scenes.hpp"
+#include "driver/partition_check.hpp"
 #include "io/files.hpp"
 #include "scene/populate.hpp"
 #include "thermal/petsc_session.hpp"
@@ -28,6 +29,8 @@ struct Arguments {
   int steps = 100;
   bool dry_run = false;
   std::string json;
+  std::vector<int> parts;
+  std::string partition_file;
 };
 
 void add_options(CLI::App& app, Arguments& arguments) {
@@ -46,6 +49,12 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "of the velocity gradient, or of the momentum too (default: none; velocity in the extrusion)")
       ->check(CLI::IsMember(corrections));
   app.add_option("--json", arguments.json, "file for one JSON record");
+  auto* partition = app.add_option("--partition", arguments.parts,
+                                   "instead: how METIS would cut the scene, as stirsph check --partition does")
+                        ->delimiter(',')
+                        ->check(CLI::Range(1, most_parts));
+  app.add_option("--partition-file", arguments.partition_file, "and every part's share in this file (CSV)")
+      ->needs(partition);
   app.add_flag("--dry-run", arguments.dry_run, "only count the particles");
 }
 
@@ -66,6 +75,10 @@ void run_bench(const Comm& comm, Arguments& arguments) {
   bench::SceneChoice choice{options.scene, options.particles, std::nullopt};
   if (!options.gradient_correction.empty()) choice.gradient_correction = corrections.at(options.gradient_correction);
   const Scene scene = bench::bench_scene(choice);
+  if (!arguments.parts.empty()) {
+    report_partitions(comm, scene, arguments.parts, arguments.partition_file);
+    return;
+  }
   for (const auto& [keyword, correction] : corrections)
     if (correction == scene.numerics.gradient_correction) options.gradient_correction = keyword;
   if (arguments.dry_run) {

@@ -43,36 +43,43 @@ std::size_t width_of(const std::vector<const Field*>& fields) {
 
 }  // namespace
 
-void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double reach) {
+std::map<int, HaloCopies> plan_halo(const ParticleSet& particles, const CellTable& cells, double reach, int own_rank) {
   KeyNumbers numbers;
   std::vector<std::vector<Destination>> destinations;  // per number
-  std::map<int, Route> routes;
-  bool shifted = false;
+  std::map<int, HaloCopies> plan;
   std::array<const double*, 3> position{};
   for (int d = 0; d < cells.domain().dim; ++d) position[d] = particles.component(field::position, d).data();
-  const bool nobody = comm_.size() == 1 && !cells.domain().any_periodic();
   std::vector<std::pair<int, Vec3>> sent_to;
-  for (std::size_t i = 0; i < particles.owned() && !nobody; ++i) {
+  for (std::size_t i = 0; i < particles.owned(); ++i) {
     Vec3 x;
     for (int d = 0; d < cells.domain().dim; ++d) x[d] = position[d][i];
     const std::int64_t key = cells.key_of(x);
     const std::size_t number = numbers.number(key);
-    if (number == destinations.size()) destinations.push_back(destinations_from(cells, key, comm_.rank()));
+    if (number == destinations.size()) destinations.push_back(destinations_from(cells, key, own_rank));
     sent_to.clear();
     for (const Destination& to : destinations[number]) {
       if (cells.distance_to_cell(x, to.cell) > reach) continue;
       const std::pair<int, Vec3> target{to.rank, to.shift};
       if (std::find(sent_to.begin(), sent_to.end(), target) != sent_to.end()) continue;
       sent_to.push_back(target);
-      Route& route = routes[to.rank];
-      route.sent.push_back(static_cast<std::int32_t>(i));
-      route.shifts.push_back(to.shift);
-      if (to.shift != Vec3{}) shifted = true;
+      HaloCopies& copies = plan[to.rank];
+      copies.sent.push_back(static_cast<std::int32_t>(i));
+      copies.shifts.push_back(to.shift);
     }
   }
+  return plan;
+}
+
+void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double reach) {
+  const bool nobody = comm_.size() == 1 && !cells.domain().any_periodic();
+  std::map<int, HaloCopies> plan;
+  if (!nobody) plan = plan_halo(particles, cells, reach, comm_.rank());
+  bool shifted = false;
+  for (const auto& [rank, copies] : plan)
+    for (const Vec3& shift : copies.shifts) shifted |= shift != Vec3{};
 
   std::vector<int> send_counts(comm_.size(), 0), receive_counts(comm_.size(), 0);
-  for (const auto& [rank, route] : routes) send_counts[rank] = static_cast<int>(route.sent.size());
+  for (const auto& [rank, copies] : plan) send_counts[rank] = static_cast<int>(copies.sent.size());
   check_mpi(MPI_Alltoall(send_counts.data(), 1, MPI_INT, receive_counts.data(), 1, MPI_INT, comm_.handle()),
             "MPI_Alltoall");
 
@@ -81,9 +88,10 @@ void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double 
   received_ = 0;
   for (int rank = 0; rank < comm_.size(); ++rank) {
     if (send_counts[rank] == 0 && receive_counts[rank] == 0) continue;
-    Route route = std::move(routes[rank]);
+    Route route;
     route.rank = rank;
-    if (!shifted) route.shifts.clear();
+    route.sent = std::move(plan[rank].sent);
+    if (shifted) route.shifts = std::move(plan[rank].shifts);
     route.first_received = particles.owned() + received_;
     route.received = receive_counts[rank];
     received_ += route.received;

@@ -12,6 +12,16 @@ namespace stirsph {
 
 class CellTable;
 
+/// What one rank sends to another, or to itself as periodic images.
+struct HaloCopies {
+  std::vector<std::int32_t> sent;  ///< local indices of owned particles
+  std::vector<Vec3> shifts;        ///< periodic shift of each sent copy [m]
+};
+
+/// What `own_rank`, which owns `particles`, sends to each rank: every particle within `reach` [m] of a cell where that
+/// rank (or a periodic image) has particles. Not collective.
+std::map<int, HaloCopies> plan_halo(const ParticleSet& particles, const CellTable& cells, double reach, int own_rank);
+
 /// Who sends which particles to whom; rebuilt with the pair list.
 class HaloExchange {
  public:
@@ -19,8 +29,7 @@ class HaloExchange {
   HaloExchange(const HaloExchange&) = delete;  // channels refer to the routes of their own exchange
   HaloExchange& operator=(const HaloExchange&) = delete;
 
-  /// Makes the plan: every particle within `reach` of a cell where another rank (or a periodic image) has particles is
-  /// sent there. Resizes the halo of `particles` and fills all fields with a halo role. Collective.
+  /// Makes the plan (plan_halo), resizes the halo of `particles` and fills all fields with a halo role. Collective.
   void build(ParticleSet& particles, const CellTable& cells, double reach);
 
   /// Refreshes the halo copies of every field with this role. Collective over the ranks that share a border.

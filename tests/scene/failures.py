@@ -117,6 +117,12 @@ def case_help(stirsph):
 def case_check(stirsph):
     stirsph.run("check", BAR).expect(FINISHED, "300 particles", "time step", "predicted wall time")
     stirsph.run("check", HOT_SPOT).expect(FINISHED, "360 particles", "heat only")
+    shares = stirsph.scratch / "shares.csv"
+    stirsph.run("check", BAR, "--partition", "1,4", "--partition-file", shares).expect(FINISHED, "300 particles", "halo copies")
+    check(shares.read_text(encoding="utf-8").count("\n4,") == 4, "not every part is in the file")
+    for value in ("0", "2,many", "-1", "1.5"):
+        check("--partition" in stirsph.run("check", BAR, "--partition=" + value).err, f"--partition {value} is taken")
+    stirsph.run("check", BAR, "--partition", "2", "--partition-file", stirsph.scratch / "no/where.csv").expect(IO, "no/where.csv")
     stirsph.run("check", BAR, "-P", "numerics.spacing=1 kg").expect(INPUT, "numerics.spacing", "kg")
 
 
