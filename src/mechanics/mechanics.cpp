@@ -220,7 +220,7 @@ void MechanicsIn<S>::update_acceleration(ParticleSet& particles, const PairList&
   };
   sweep_around_halo(
       pairs, particles.clusters(), GradientBlock<S>::clusters, arrive, [&](std::size_t first, std::size_t last) {
-        sweep_momentum(pairs, first, last, constants, force.data(), dissipation_.data(), artificial_power_.data());
+        sweep_momentum(first, last, constants, force.data(), dissipation_.data(), artificial_power_.data());
       });
   active_.expire();
   const auto mass = particles[field::mass];

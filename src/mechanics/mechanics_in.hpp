@@ -31,8 +31,8 @@ class MechanicsIn final : public Mechanics {
   void pack_momentum_records(const ParticleSet& particles, std::size_t first, std::size_t last);
   void sweep_gradient(const PairList& pairs, std::size_t first, std::size_t last, std::size_t owned,
                       GradientBlock<S>& block);
-  void sweep_momentum(const PairList& pairs, std::size_t first, std::size_t last, const MomentumConstants& constants,
-                      double* const* force, double* dissipation, double* artificial_power);
+  void sweep_momentum(std::size_t first, std::size_t last, const MomentumConstants& constants, double* const* force,
+                      double* dissipation, double* artificial_power);
   void update_block(ParticleSet& particles, const GradientBlock<S>& block, std::size_t first, double dt);
 
   double smoothing_length() const { return settings_.h_over_dx * settings_.spacing; }

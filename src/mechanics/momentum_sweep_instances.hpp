@@ -6,18 +6,17 @@
 namespace stirsph {
 
 template <class S>
-void MechanicsIn<S>::sweep_momentum(const PairList& pairs, std::size_t first, std::size_t last,
-                                    const MomentumConstants& constants, double* const* force, double* dissipation,
-                                    double* artificial_power) {
+void MechanicsIn<S>::sweep_momentum(std::size_t first, std::size_t last, const MomentumConstants& constants,
+                                    double* const* force, double* dissipation, double* artificial_power) {
   const auto run = [&]<bool Viscous, bool ArtificialStress, bool VariableH>() {
     std::visit(
         [&]<class K>(const K&) {
           if (settings_.gradient_correction == GradientCorrection::Full)
-            momentum_sweep<S, K, Viscous, ArtificialStress, VariableH, true>(
-                records_, pairs, active_, first, last, constants, force, dissipation, artificial_power);
+            momentum_sweep<S, K, Viscous, ArtificialStress, VariableH, true>(records_, active_, first, last, constants,
+                                                                             force, dissipation, artificial_power);
           else
-            momentum_sweep<S, K, Viscous, ArtificialStress, VariableH, false>(
-                records_, pairs, active_, first, last, constants, force, dissipation, artificial_power);
+            momentum_sweep<S, K, Viscous, ArtificialStress, VariableH, false>(records_, active_, first, last, constants,
+                                                                              force, dissipation, artificial_power);
         },
         settings_.kernel);
   };

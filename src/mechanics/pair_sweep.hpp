@@ -35,46 +35,36 @@ inline constexpr double tiny_square = 1e-60;
 
 /// The pairs that the second sweep visits: for each register of particles the candidates that one of them reaches now.
 /// The first sweep finds them on its way, at the same positions; what is left out are exact zeros. Of two clusters of
-/// this rank the earlier one has the pair and gives the other its share of the force. The own cluster's 8 particles
-/// always belong to it and are not listed.
+/// this rank the earlier one has the pair and gives the other its share of the force, so only candidates behind the
+/// cluster are listed; its own 8 particles always belong to it.
 class ActivePairs {
  public:
   /// Before a first sweep over `list`; `owned` particles are this rank's.
   void begin(const PairList& list, std::size_t owned) {
     owned_ = static_cast<std::int32_t>(owned);
-    indices_.resize(list.size() * parts);
+    starts_.resize(list.clusters() + 1);
+    starts_[0] = 0;
+    for (std::size_t c = 0; c < list.clusters(); ++c) starts_[c + 1] = starts_[c] + list.candidates_behind(c).size();
+    indices_.resize(starts_.back() * parts + 1);  // one more: where the last candidate is written that is not kept
     counts_.resize(list.clusters() * parts);
     valid_ = false;
   }
 
-  /// Takes the candidates of one register, in any order of registers: owned ones to the front of the register's place,
-  /// halo copies to its back, without a branch.
+  /// Takes the candidates behind the cluster of one register in their order; registers may come in any order.
   class Writer {
    public:
-    Writer(ActivePairs& active, const PairList& list, std::size_t cluster, std::size_t part)
-        : counts_(active.counts_[cluster * parts + part]),
-          owned_(active.owned_),
-          later_(static_cast<std::int32_t>((cluster + 1) * cluster_size)),
-          front_(active.indices_.data() + offset(list, cluster, part)),
-          back_(front_ + list.candidates(cluster).size() - 1) {
-      counts_ = {0, 0};
+    Writer(ActivePairs& active, std::size_t cluster, std::size_t part)
+        : count_(active.counts_[cluster * parts + part]), out_(active.indices_.data() + active.offset(cluster, part)) {
+      count_ = 0;
     }
     void take(std::int32_t j, bool reached) {
-      const bool listed = reached && j >= later_;
-      front_[counts_.own] = j;
-      back_[-static_cast<std::ptrdiff_t>(counts_.halo)] = j;
-      counts_.own += listed && j < owned_;
-      counts_.halo += listed && j >= owned_;
+      out_[count_] = j;
+      count_ += reached;
     }
 
    private:
-    friend class ActivePairs;
-    struct Counts {
-      std::uint32_t own, halo;
-    };
-    Counts& counts_;
-    std::int32_t owned_, later_;
-    std::int32_t *front_, *back_;
+    std::uint32_t& count_;
+    std::int32_t* out_;
   };
 
   /// Every candidate, where no first sweep has looked.
@@ -82,8 +72,8 @@ class ActivePairs {
     begin(list, owned);
     for (std::size_t cluster = 0; cluster < list.clusters(); ++cluster)
       for (std::size_t part = 0; part < parts; ++part) {
-        Writer writer(*this, list, cluster, part);
-        for (const std::int32_t j : list.candidates(cluster)) writer.take(j, true);
+        Writer writer(*this, cluster, part);
+        for (const std::int32_t j : list.candidates_behind(cluster)) writer.take(j, true);
       }
     complete();
   }
@@ -93,25 +83,27 @@ class ActivePairs {
   void expire() { valid_ = false; }
   bool valid() const { return valid_; }
 
-  /// Particles of later clusters of this rank.
-  std::span<const std::int32_t> owned(const PairList& list, std::size_t cluster, std::size_t part) const {
-    return {indices_.data() + offset(list, cluster, part), counts_[cluster * parts + part].own};
-  }
-  std::span<const std::int32_t> halo(const PairList& list, std::size_t cluster, std::size_t part) const {
-    const std::size_t count = counts_[cluster * parts + part].halo;
-    return {indices_.data() + offset(list, cluster, part) + list.candidates(cluster).size() - count, count};
+  struct Partners {
+    std::span<const std::int32_t> owned, halo;
+  };
+  Partners of(std::size_t cluster, std::size_t part) const {
+    const std::span<const std::int32_t> all(indices_.data() + offset(cluster, part), counts_[cluster * parts + part]);
+    const auto owned = static_cast<std::size_t>(std::lower_bound(all.begin(), all.end(), owned_) - all.begin());
+    return {all.first(owned), all.subspan(owned)};
   }
   std::size_t bytes() const {
-    return indices_.capacity() * sizeof(std::int32_t) + counts_.capacity() * sizeof(Writer::Counts);
+    return indices_.capacity() * sizeof(std::int32_t) + counts_.capacity() * sizeof(std::uint32_t) +
+           starts_.capacity() * sizeof(std::size_t);
   }
 
  private:
   static constexpr std::size_t parts = cluster_size / lanes;
-  static std::size_t offset(const PairList& list, std::size_t cluster, std::size_t part) {
-    return list.start(cluster) * parts + part * list.candidates(cluster).size();
+  std::size_t offset(std::size_t cluster, std::size_t part) const {
+    return starts_[cluster] * parts + part * (starts_[cluster + 1] - starts_[cluster]);
   }
   std::vector<std::int32_t> indices_;
-  std::vector<Writer::Counts> counts_;  ///< per register
+  std::vector<std::size_t> starts_;    ///< per cluster, of one register's place
+  std::vector<std::uint32_t> counts_;  ///< per register
   std::int32_t owned_ = 0;
   bool valid_ = false;
 };
@@ -165,7 +157,6 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
   const double sigma = K::normalisation(dim);
   long fallbacks = 0;
   for (std::size_t cluster = first; cluster < last; ++cluster) {
-    const auto candidates = pairs.candidates(cluster);
     for (std::size_t part = 0; part < cluster_size; part += lanes) {
       const std::size_t i0 = cluster * cluster_size + part;
       Lanes xi[dim], vi[dim], ei{}, hi{};
@@ -179,9 +170,9 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
         for (int b = 0; b < dim; ++b) gradient.a[a][b] = moment.a[a][b] = 0.0;
       const double inverse_h = 1 / smoothing;
       const double constant = sigma * std::pow(inverse_h, dim + 1);
-      ActivePairs::Writer reached(active, pairs, cluster, part / lanes);
 
-      for (const std::int32_t j : candidates) {
+      // Adds candidate j; returns whether one of the particles reaches it.
+      const auto visit = [&](std::int32_t j) __attribute__((always_inline)) {
         const double* other = records.data() + static_cast<std::size_t>(j) * Record::size;
         Lanes d[dim], r2 = tiny_square;
         for (int a = 0; a < dim; ++a) {
@@ -200,7 +191,6 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
           q = r * inverse_h;
           weight = other[Record::volume] * constant * K::slope(q) / r;
         }
-        reached.take(j, stdx::any_of(q < Lanes(K::support)));
         for (int b = 0; b < dim; ++b) {
           const Lanes g = weight * d[b];
           for (int a = 0; a < dim; ++a) gradient.a[a][b] += g * (other[Record::v + a] - vi[a]);
@@ -208,7 +198,11 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
             for (int a = 0; a <= b; ++a) moment.a[a][b] -= g * d[a];
         }
         if constexpr (Diffusion) diffusion += weight * (ei - other[Record::strain]);
-      }
+        return stdx::any_of(q < Lanes(K::support));
+      };
+      for (const std::int32_t j : pairs.candidates_before_end(cluster)) visit(j);
+      ActivePairs::Writer behind(active, cluster, part / lanes);
+      for (const std::int32_t j : pairs.candidates_behind(cluster)) behind.take(j, visit(j));
 
       if constexpr (Corrected) {
         for (int b = 0; b < dim; ++b)
@@ -264,8 +258,8 @@ struct MomentumConstants {
 /// dissipation and the power taken out by the artificial stress [W] per particle: where a pair is visited once, the
 /// earlier particle has the pair's whole power. Halo copies' forces are left to their owners.
 template <class S, class K, bool Viscous, bool ArtificialStress, bool VariableH, bool Full>
-void momentum_sweep(const AlignedVector& records, const PairList& pairs, const ActivePairs& active, std::size_t first,
-                    std::size_t last, const MomentumConstants& constants, double* const* force, double* dissipation,
+void momentum_sweep(const AlignedVector& records, const ActivePairs& active, std::size_t first, std::size_t last,
+                    const MomentumConstants& constants, double* const* force, double* dissipation,
                     double* artificial_power) {
   constexpr int dim = S::dim;
   using Record = MomentumRecord<S, VariableH, ArtificialStress, Full>;
@@ -350,11 +344,11 @@ void momentum_sweep(const AlignedVector& records, const PairList& pairs, const A
       Lanes share[dim];
       for (std::size_t j = cluster * cluster_size; j < (cluster + 1) * cluster_size; ++j)
         visit(static_cast<std::int32_t>(j), share);
-      for (const std::int32_t j : active.halo(pairs, cluster, part / lanes)) visit(j, share);
+      const auto [shared, halo] = active.of(cluster, part / lanes);
+      for (const std::int32_t j : halo) visit(j, share);
       dissipated *= 0.5;  // the other half is counted from the other side
       absorbed *= 0.5;
 
-      const auto shared = active.owned(pairs, cluster, part / lanes);
       for (std::size_t begin = 0; begin < shared.size(); begin += lanes) {
         const std::size_t count = std::min(lanes, shared.size() - begin);
         for (std::size_t k = 0; k < count; ++k) {

@@ -167,6 +167,9 @@ void PairList::collect(const ParticleSet& particles, double reach) {
     while (out != indices_.data() + used && out[-1] >= total) --out;
     used = static_cast<std::size_t>(out - indices_.data());
     starts_.push_back(used);
+    const auto behind =
+        std::lower_bound(indices_.data() + starts_[c], out, static_cast<std::int32_t>(first + cluster_size));
+    behind_.push_back(static_cast<std::uint32_t>(out - behind));
     const bool last_is_halo = used > 0 && indices_[used - 1] >= static_cast<std::int32_t>(particles.owned());
     needs_halo_.push_back(last_is_halo || (c + 1) * cluster_size > particles.owned());
   }
@@ -183,6 +186,7 @@ void PairList::build(const ParticleSet& particles, double reach) {
   version_ += 1;
   starts_.assign(1, 0);
   needs_halo_.clear();
+  behind_.clear();
   if (particles.owned() == 0) {
     indices_.clear();
     return;

@@ -19,12 +19,15 @@ class PairList {
   void build(const ParticleSet& particles, double reach);
 
   std::size_t clusters() const { return starts_.empty() ? 0 : starts_.size() - 1; }
-  /// Local indices j of the candidates of cluster c; contains the cluster's own particles.
+  /// Local indices j of the candidates of cluster c in ascending order; contains the cluster's own particles.
   std::span<const std::int32_t> candidates(std::size_t c) const {
     return {indices_.data() + starts_[c], indices_.data() + starts_[c + 1]};
   }
-  /// Number of candidates of all clusters before c.
-  std::size_t start(std::size_t c) const { return starts_[c]; }
+  /// Those up to the cluster's own last particle, and those behind it.
+  std::span<const std::int32_t> candidates_before_end(std::size_t c) const {
+    return candidates(c).first(candidates(c).size() - behind_[c]);
+  }
+  std::span<const std::int32_t> candidates_behind(std::size_t c) const { return candidates(c).last(behind_[c]); }
   /// Whether a cluster of [first, last) has halo copies among its candidates or fills up its registers with them.
   bool needs_halo(std::size_t first, std::size_t last) const {
     return std::find(needs_halo_.begin() + first, needs_halo_.begin() + last, 1) != needs_halo_.begin() + last;
@@ -43,7 +46,8 @@ class PairList {
 
   std::vector<std::size_t> starts_;
   std::vector<std::int32_t> indices_;
-  std::vector<char> needs_halo_;  ///< per cluster
+  std::vector<std::uint32_t> behind_;  ///< per cluster, how many candidates are behind it
+  std::vector<char> needs_halo_;       ///< per cluster
   std::uint64_t version_ = 0;
 };
 
