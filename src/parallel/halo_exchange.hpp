@@ -16,8 +16,6 @@ class CellTable;
 class HaloExchange {
  public:
   explicit HaloExchange(Comm comm) : comm_(comm) {}
-  HaloExchange(const HaloExchange&) = delete;  // channels refer to the routes of their own exchange
-  HaloExchange& operator=(const HaloExchange&) = delete;
 
   /// Makes the plan: every particle within `reach` of a cell where another rank (or a periodic image) has particles is
   /// sent there. Resizes the halo of `particles` and fills all fields with a halo role. Collective.
@@ -54,13 +52,12 @@ class HaloExchange {
     Channel(const Channel&) = delete;
     Channel& operator=(const Channel&) = delete;
 
-    void start(const std::vector<const Field*>& fields);
-    void finish(ParticleSet& particles, const std::vector<const Field*>& fields);
+    void start(const std::vector<Route>& routes, const std::vector<const Field*>& fields);
+    void finish(ParticleSet& particles, const std::vector<Route>& routes, const std::vector<const Field*>& fields);
     std::size_t width() const { return width_; }
 
    private:
     int own_rank_;
-    const std::vector<Route>& routes_;
     std::size_t width_;
     std::vector<std::vector<double>> outboxes_, inboxes_;
     std::vector<MPI_Request> requests_;
