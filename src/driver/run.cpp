@@ -257,9 +257,9 @@ void Run::print_header() const {
         simulation_.clock().next_dt, scene.time.fixed_step > 0 ? "time.step" : "the Courant number",
         simulation_.mechanics()->wave_speed(), scene.numerics.density_scale, scene.numerics.elastic_scale,
         static_cast<double>(bytes) / static_cast<double>(std::max<std::int64_t>(1, simulation_.particle_count()))));
-  log::info(fmt::format("{:>9} {:>11} {:>9} {:>8} {:>8} {:>9} {:>7} {:>10} {:>9} {:>8} {:>8} {:>7} {:>6}", "step",
+  log::info(fmt::format("{:>9} {:>11} {:>9} {:>8} {:>8} {:>9} {:>7} {:>10} {:>9} {:>8} {:>8} {:>7} {:>6} {:>7}", "step",
                         "t [s]", "dt [s]", "wall[s]", "ETA [s]", "part-st/s", "T max", "tool F [N]", "M [N m]", "KE/IE",
-                        "inertia", "pen/dx", "imbal"));
+                        "inertia", "pen/dx", "imbal", "st/list"));
 }
 
 void Run::print_progress() {
@@ -278,10 +278,10 @@ void Run::print_progress() {
   const double internal = d.energy.elastic + d.energy.plastic;
   log::info(fmt::format(
       "{:>9} {:>11.5g} {:>9.3g} {:>8.1f} {:>8.0f} {:>9.3g} {:>7.1f} {:>10.4g} {:>9.4g} {:>8.2g} {:>8.2g} {:>7.3f} "
-      "{:>6.2f}{}",
+      "{:>6.2f} {:>7.1f}{}",
       clock.step, clock.time, clock.dt, elapsed(), done > 0 ? elapsed() * (1 / done - 1) : 0.0, rate, d.temperature_max,
       along, torque, internal > 0 ? d.energy.kinetic / internal : 0.0, d.inertia_number,
-      simulation_.largest_penetration() / scene.numerics.spacing, imbalance,
+      simulation_.largest_penetration() / scene.numerics.spacing, imbalance, simulation_.list_upkeep().steps_per_list(),
       tool >= 0 && simulation_.motions()[tool].at_velocity_limit() ? "  (tool at its velocity limit)" : ""));
 }
 
@@ -298,7 +298,13 @@ void Run::print_report(const Diagnostics& d) {
     log::info(fmt::format(
         "energy residual {:.3g}; viscous/plastic dissipation {:.3g}; inertia number {:.3g}; leaked particles {}",
         e.residual(), d.viscous_ratio, d.inertia_number, d.leaked));
-    log::info(fmt::format("list rebuilds: {}", simulation_.neighbourhood().rebuilds()));
+    const ListUpkeep& upkeep = simulation_.list_upkeep();
+    const double cost = comm_.sum(simulation_.renewal_cost()) / comm_.size();
+    const double imbalance = simulation_.neighbourhood().imbalance();
+    log::info(
+        fmt::format("pair lists: renewed {} times, {:.1f} steps a list, a renewal costs {:.2f} steps; {} repartitions, "
+                    "imbalance {:.3f}",
+                    upkeep.renewals, upkeep.steps_per_list(), cost, upkeep.repartitions, imbalance));
   }
   if (simulation_.scene().heat.mode == HeatScene::Mode::Conduction) {
     const HeatLedger& heat = simulation_.heat_ledger();

@@ -90,6 +90,7 @@ void Simulation::step() {
   if (scene_.heat.mode != HeatScene::Mode::Off) advance_heat(dt);
   clock_.time += dt;
   clock_.step += 1;
+  list_upkeep_.steps += 1;
   vote();
 }
 
@@ -140,9 +141,19 @@ void Simulation::renew_neighbours() {
                                                     kernel_support(scene_.numerics.kernel));
   const bool repartition = comm_.size() > 1 && neighbourhood_->imbalance() > scene_.repartition_imbalance;
   neighbourhood_->rebuild(particles_, support, repartition);
+  list_upkeep_.renewals += 1;
+  list_upkeep_.repartitions += repartition;
   if (contact_) contact_->forget_candidates();
   collect_grip_members();
   measure_extent();
+}
+
+double Simulation::renewal_cost() const {
+  double lists = 0, rest = 0;
+  for (const auto& [phase, seconds] : timers_.seconds()) (phase == "neighbours" ? lists : rest) += seconds;
+  return list_upkeep_.renewals == 0
+             ? 0.0
+             : lists / static_cast<double>(list_upkeep_.renewals) / (rest / static_cast<double>(list_upkeep_.steps));
 }
 
 void Simulation::measure_extent() {

@@ -48,6 +48,14 @@ struct GripLoad {
   Vec3 force, torque;
 };
 
+/// Upkeep of pair lists since this program started.
+struct ListUpkeep {
+  long renewals = 0;      ///< lists made after the first one
+  long repartitions = 0;  ///< of these, with a new partition
+  long steps = 0;         ///< steps made
+  double steps_per_list() const { return static_cast<double>(steps) / static_cast<double>(renewals + 1); }
+};
+
 class Simulation {
  public:
   Simulation(Comm comm, Scene scene);
@@ -89,6 +97,9 @@ class Simulation {
   const HeatLedger& heat_ledger() const { return heat_ledger_; }
   const HeatSolver* heat_solver() const { return heat_.get(); }
   const HeatReport& last_heat() const { return last_heat_; }
+  const ListUpkeep& list_upkeep() const { return list_upkeep_; }
+  /// What a renewal of the lists costs in steps without one; 0 before there was one. This rank's.
+  double renewal_cost() const;
   const PhaseTimers& timers() const { return timers_; }
   const std::vector<BodyCount>& body_counts() const { return body_counts_; }
   std::int64_t particle_count() const { return particle_count_; }
@@ -162,6 +173,7 @@ class Simulation {
   HeatLedger heat_ledger_;
   HeatReport last_heat_;
   PhaseTimers timers_;
+  ListUpkeep list_upkeep_;
   std::exception_ptr failure_;
   double time_since_heat_ = 0;
   double speed_ = 0, penetration_ = 0, least_h_ = 0;

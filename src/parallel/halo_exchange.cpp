@@ -103,12 +103,12 @@ void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double 
   for (const auto& field : particles.fields())
     if (field->info->halo != Halo::None) all.push_back(field.get());
   Channel once(comm_, routes_, width_of(all), first_tag);
-  once.start(all);
-  once.finish(particles, all);
+  once.start(routes_, all);
+  once.finish(particles, routes_, all);
 }
 
 HaloExchange::Channel::Channel(const Comm& comm, const std::vector<Route>& routes, std::size_t width, int tag)
-    : own_rank_(comm.rank()), routes_(routes), width_(width), outboxes_(routes.size()), inboxes_(routes.size()) {
+    : own_rank_(comm.rank()), width_(width), outboxes_(routes.size()), inboxes_(routes.size()) {
   for (std::size_t k = 0; k < routes.size(); ++k) {
     const Route& route = routes[k];
     outboxes_[k].resize(route.sent.size() * width);
@@ -129,9 +129,9 @@ HaloExchange::Channel::~Channel() {
   for (MPI_Request& request : requests_) MPI_Request_free(&request);
 }
 
-void HaloExchange::Channel::start(const std::vector<const Field*>& fields) {
-  for (std::size_t k = 0; k < routes_.size(); ++k) {
-    const Route& route = routes_[k];
+void HaloExchange::Channel::start(const std::vector<Route>& routes, const std::vector<const Field*>& fields) {
+  for (std::size_t k = 0; k < routes.size(); ++k) {
+    const Route& route = routes[k];
     double* write = (route.rank == own_rank_ ? inboxes_ : outboxes_)[k].data();
     for (const Field* field : fields) {
       const bool is_position = field->info->name == field::position.name && !route.shifts.empty();
@@ -148,10 +148,11 @@ void HaloExchange::Channel::start(const std::vector<const Field*>& fields) {
   if (!requests_.empty()) check_mpi(MPI_Startall(static_cast<int>(requests_.size()), requests_.data()), "MPI_Startall");
 }
 
-void HaloExchange::Channel::finish(ParticleSet& particles, const std::vector<const Field*>& fields) {
+void HaloExchange::Channel::finish(ParticleSet& particles, const std::vector<Route>& routes,
+                                   const std::vector<const Field*>& fields) {
   check_mpi(MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
-  for (std::size_t k = 0; k < routes_.size(); ++k) {
-    const Route& route = routes_[k];
+  for (std::size_t k = 0; k < routes.size(); ++k) {
+    const Route& route = routes[k];
     const double* read = inboxes_[k].data();
     for (const Field* field : fields)
       for (std::size_t c = 0; c < field->components.size(); ++c) {
@@ -179,13 +180,13 @@ HaloExchange::Channel& HaloExchange::channel(Halo role, std::size_t width) const
 void HaloExchange::start(const ParticleSet& particles, Halo role) const {
   if (routes_.empty()) return;
   const std::vector<const Field*> fields = fields_of(particles, role);
-  channel(role, width_of(fields)).start(fields);
+  channel(role, width_of(fields)).start(routes_, fields);
 }
 
 void HaloExchange::finish(ParticleSet& particles, Halo role) const {
   if (routes_.empty()) return;
   const std::vector<const Field*> fields = fields_of(particles, role);
-  channel(role, width_of(fields)).finish(particles, fields);
+  channel(role, width_of(fields)).finish(particles, routes_, fields);
 }
 
 std::size_t HaloExchange::sent() const {

@@ -26,8 +26,6 @@ std::map<int, HaloCopies> plan_halo(const ParticleSet& particles, const CellTabl
 class HaloExchange {
  public:
   explicit HaloExchange(Comm comm) : comm_(comm) {}
-  HaloExchange(const HaloExchange&) = delete;  // channels refer to the routes of their own exchange
-  HaloExchange& operator=(const HaloExchange&) = delete;
 
   /// Makes the plan (plan_halo), resizes the halo of `particles` and fills all fields with a halo role. Collective.
   void build(ParticleSet& particles, const CellTable& cells, double reach);
@@ -63,13 +61,12 @@ class HaloExchange {
     Channel(const Channel&) = delete;
     Channel& operator=(const Channel&) = delete;
 
-    void start(const std::vector<const Field*>& fields);
-    void finish(ParticleSet& particles, const std::vector<const Field*>& fields);
+    void start(const std::vector<Route>& routes, const std::vector<const Field*>& fields);
+    void finish(ParticleSet& particles, const std::vector<Route>& routes, const std::vector<const Field*>& fields);
     std::size_t width() const { return width_; }
 
    private:
     int own_rank_;
-    const std::vector<Route>& routes_;
     std::size_t width_;
     std::vector<std::vector<double>> outboxes_, inboxes_;
     std::vector<MPI_Request> requests_;

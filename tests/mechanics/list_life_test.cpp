@@ -255,7 +255,7 @@ TEST(ListLife, NeverMissesAPairBetweenPeriodicFaces) {
 /// Two blocks that fly at each other: pairs that were far apart when the list was made.
 TEST(ListLife, NeverMissesBodiesThatMeet) {
   // The widest gap is more than what the smooth motion looks at: only the absolute displacement tells.
-  for (const auto [gap, dt] : {std::pair{1, 0.01}, {3, 0.01}, {5, 0.01}, {14, 0.05}}) {
+  for (const auto& [gap, dt] : {std::pair{1, 0.01}, {3, 0.01}, {5, 0.01}, {14, 0.05}}) {
     const Body body{3, {10 + gap, 5, 5}, {}, [edge = 5.0 + gap](const Vec3& x) { return x.x < 5 || x.x > edge; }};
     Crowd crowd(body, 0.05);
     for (int k = 0; k < 80; ++k) {
