@@ -1,0 +1,1 @@
+def time_step(*a): pass
