@@ -9,7 +9,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 from speed_cases import CASES
-from speed_runs import table
+from speed_runs import fingerprint, table
 
 SMOOTHING = {"cubic": (1.2, 1.3, 1.5), "wendland_c2": (1.5, 1.75, 2.0), "wendland_c4": (1.75, 2.0), "quintic": (1.0, 1.15)}
 QUICK = {"cubic": (1.3,), "wendland_c2": (1.5,)}
@@ -61,7 +61,8 @@ def measure_case(name, runner, records, quick):
             alive = [s for s in alive if not dominated(last[s], last.values())]
         for setting in alive:
             key = {"study": "pareto", "case": name, "kernel": setting[0], "h_over_dx": setting[1],
-                   "gradient_correction": setting[2], "spacing_mm": round(spacing, 6)}
+                   "gradient_correction": setting[2], "spacing_mm": round(spacing, 6),
+                   "input": fingerprint(case.scene, overrides_of(case, setting, spacing))}
             found[setting].append(records.get(key, lambda s=setting: measure(runner, case, s, spacing)))
     return found
 

@@ -5,6 +5,7 @@ Used by tools/speed_study.py; not a program of its own.
 """
 
 import csv
+import hashlib
 import json
 import os
 import re
@@ -82,8 +83,15 @@ class Runner:
         return Run(folder, process.returncode, wall, usage.ru_utime + usage.ru_stime)
 
 
+def fingerprint(scene, overrides):
+    """Of the input of a run, so that a record is not taken for one of a scene that has changed since."""
+    text = (SCENES / scene).read_text(encoding="utf-8") + json.dumps(overrides, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
 class Records:
-    """Lines of JSON, one per run. A run whose `key` and commit are present is not repeated."""
+    """Lines of JSON, one per run. A run whose `key` (with the fingerprint of its input) and commit are present is not
+    repeated."""
 
     def __init__(self, path, commit):
         self.path, self.commit, self.known = path, commit, {}
