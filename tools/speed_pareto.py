@@ -175,9 +175,12 @@ def print_settings(measured, target):
 
 
 def print_runs(name, found):
-    rows = [[label_of(r["key"]), f"{r['key']['spacing_mm']:.3g}", str(r["particles"]), str(r["steps"]), f"{r['cpu_s']:.2f}"] +
-            [", ".join(f"{part} {100 * value:+.2f}" for part, value in r["errors"].items()) or "failed"]
-            for runs in found.values() for r in runs]
+    def row(run):
+        errors = ", ".join(f"{part} {100 * value:+.2f}" for part, value in run["errors"].items())
+        return [label_of(run["key"]), f"{run['key']['spacing_mm']:.3g}", str(run["particles"]), str(run["steps"]),
+                f"{run['cpu_s']:.2f}", errors or "failed"]
+
+    rows = [row(run) for runs in found.values() for run in runs]
     table(f"{name}, {CASES[name].title}", ["setting", "dx, mm", "particles", "steps", "CPU, s", "errors, %"], rows)
 
 

@@ -93,10 +93,14 @@ def tube():
 def bar(correction="none", **contact):
     overrides = {f"contact.0.{key}": value for key, value in contact.items()}
     return StepCase("c4_taylor_bar.toml",
-                    {"numerics.spacing": f'"{BAR_SPACINGS[0]:.10g} mm"', "body.0.fill_margin": 0.0, "numerics.gradient_correction": correction,
-                     "output.fields": '["id"]', **overrides},
+                    {"numerics.spacing": f'"{BAR_SPACINGS[0]:.10g} mm"', "body.0.fill_margin": 0.0,
+                     "numerics.gradient_correction": correction, "output.fields": '["id"]', **overrides},
                     shape_of_bar, {"length": 1.0, "foot radius": 1.0} if "friction" not in contact else {}, group="contact")
 
+
+C2 = {"kernel": "wendland_c2", "h_over_dx": 1.5}
+C4 = {"kernel": "wendland_c4", "h_over_dx": 2.0}
+QUINTIC = {"kernel": "quintic", "h_over_dx": 1.0}
 
 CASES = {
     "wave, cubic 1.3": wave("cubic", 1.3, 0.0, 1.84, 0.95482),
@@ -111,9 +115,12 @@ CASES = {
     "block, alpha 0": block(0.0),
     "block, alpha 0.5": block(0.5),
     "block, alpha 1": block(1.0),
-    "block, alpha 1, C2 1.5": block(1.0, kernel="wendland_c2", h_over_dx=1.5),
+    "block, alpha 1, C2 1.5": block(1.0, **C2),
     "block, alpha 1, velocity": block(1.0, "correction", gradient_correction="velocity"),
     "block, alpha 1, full": block(1.0, "correction", gradient_correction="full"),
+    "block, alpha 1, full, C2 1.5": block(1.0, "correction", gradient_correction="full", **C2),
+    "block, alpha 1, full, C4 2.0": block(1.0, "correction", gradient_correction="full", **C4),
+    "block, alpha 1, full, quintic 1.0": block(1.0, "correction", gradient_correction="full", **QUINTIC),
     "block, alpha 0.5, full": block(0.5, "correction", gradient_correction="full"),
     "block, alpha 0.5, diffusion 0.1": block(0.5, "correction", density_diffusion=0.1),
     "block, alpha 0.5, adiabatic": heated("adiabatic"),
@@ -254,8 +261,8 @@ def time_step(runner, records, options):
             row += [percent(scan.error(record)), percent(record["residual"])] if record else ["", ""]
         row += [percent(scan.error_to_reference(scan.small)), percent(scan.error_to_reference(at_own)) if at_own else ""]
         rows.append(row)
-    table(f"Largest stable Courant number (bisected to {RESOLUTION}); error against CFL {SMALL:g} and largest energy residual, "
-          f"%, near the default {default:g} and near {MARGIN:g} of the limit; error against the reference",
+    table(f"Largest stable Courant number (bisected to {RESOLUTION}); error against CFL {SMALL:g} and largest energy "
+          f"residual, %, near the default {default:g} and near {MARGIN:g} of the limit; error against the reference",
           ["case", "limit", "theory", "error at default", "residual", f"error at {MARGIN:g} limit", "residual",
            f"to reference, CFL {SMALL:g}", f"to reference, {MARGIN:g} limit"], rows)
     print(f"\nRecommended: time.cfl = {default:g}, {MARGIN:g} of the least limit, {least.limit:.2f} ({least.name})")
