@@ -77,6 +77,8 @@ class Costs(unittest.TestCase):
         self.assertTrue(speed_pareto.dominated(failed, [failed]))
         self.assertFalse(speed_pareto.dominated(better, [better, slower]))
         self.assertFalse(speed_pareto.dominated({"error": 0.03, "cpu_s": 1.2}, [better]))
+        self.assertTrue(speed_pareto.dominated({"error": 0.05, "cpu_s": 0.9}, [better]))
+        self.assertFalse(speed_pareto.dominated({"error": 0.05, "cpu_s": 0.7}, [better]))
 
     def test_front(self):
         runs = runs_of((0.1, 1), (0.2, 2), (0.05, 3), (None, 0.1))
