@@ -43,14 +43,19 @@ def measure(runner, case, setting, spacing):
             "error": worst, "energy_residual": residual}
 
 
-def dominated(record, others):
-    """By another setting, clearly, both at the same spacing (see CHEAPER)."""
-    if record["error"] is None:
+def dominated(own, others):
+    """By another setting, clearly (see CHEAPER). All are runs of a setting from coarse to fine, the last with the same
+    spacing. The larger error of the last two counts, as one alone may be passing through zero."""
+    def error(runs):
+        return max(math.inf if run["error"] is None else run["error"] for run in runs[-2:])
+
+    def cost(runs):
+        return runs[-1]["cpu_s"]
+
+    if error(own) == math.inf:
         return True
-    return any(other["error"] is not None and
-               (other["error"] <= record["error"] and CHEAPER * other["cpu_s"] <= record["cpu_s"] or
-                MORE_ACCURATE * other["error"] <= record["error"] and other["cpu_s"] <= CHEAPER * record["cpu_s"])
-               for other in others)
+    return any(error(other) <= error(own) and CHEAPER * cost(other) <= cost(own) or
+               MORE_ACCURATE * error(other) <= error(own) and cost(other) <= CHEAPER * cost(own) for other in others)
 
 
 def measure_case(name, runner, records, quick):
@@ -61,8 +66,8 @@ def measure_case(name, runner, records, quick):
     alive = list(found)
     for level, spacing in enumerate(case.spacings[:2] if quick else case.spacings):
         if level >= 2:
-            last = {setting: found[setting][-1] for setting in alive}
-            alive = [s for s in alive if not dominated(last[s], last.values())]
+            last = [found[setting] for setting in alive]
+            alive = [setting for setting in alive if not dominated(found[setting], last)]
         for setting in alive:
             key = {"study": "pareto", "case": name, "kernel": setting[0], "h_over_dx": setting[1],
                    "gradient_correction": setting[2], "spacing_mm": round(spacing, 6),

@@ -72,13 +72,16 @@ class Costs(unittest.TestCase):
         self.assertEqual(speed_pareto.cost_to_reach(0.02, runs_of((0.03, 1), (None, 4), (0.01, 9)))[0], 9)
 
     def test_what_is_dominated(self):
-        better, slower, failed = runs_of((0.02, 1), (0.03, 2), (None, 1))
-        self.assertTrue(speed_pareto.dominated(slower, [better, slower]))
-        self.assertTrue(speed_pareto.dominated(failed, [failed]))
-        self.assertFalse(speed_pareto.dominated(better, [better, slower]))
-        self.assertFalse(speed_pareto.dominated({"error": 0.03, "cpu_s": 1.2}, [better]))
-        self.assertTrue(speed_pareto.dominated({"error": 0.05, "cpu_s": 0.9}, [better]))
-        self.assertFalse(speed_pareto.dominated({"error": 0.05, "cpu_s": 0.7}, [better]))
+        better = runs_of((0.04, 0.5), (0.02, 1))
+        self.assertFalse(speed_pareto.dominated(better, [better]))
+        examples = ((0.05, 2, True), (0.05, 1.2, False), (0.1, 0.9, True), (0.1, 0.7, False), (None, 1, True))
+        for error, cpu, expected in examples:
+            own = runs_of((0.04, 0.1), (error, cpu))
+            self.assertEqual(speed_pareto.dominated(own, [better, own]), expected, (error, cpu))
+
+    def test_an_error_that_is_small_once_does_not_dominate(self):
+        lucky, steady = runs_of((0.1, 0.5), (0.0001, 1)), runs_of((0.1, 0.5), (0.05, 1.2))
+        self.assertFalse(speed_pareto.dominated(steady, [lucky, steady]))
 
     def test_front(self):
         runs = runs_of((0.1, 1), (0.2, 2), (0.05, 3), (None, 0.1))
