@@ -9,7 +9,7 @@ time_step  error, energy residual and failure of growing Courant numbers: FOLDER
 
 Runs ordinary scenes (tests/verification/scenes) with overrides, one rank each, and prints Markdown tables. Every run adds
 a line to FOLDER/records.jsonl; runs of the same commit that stand there are not repeated, so a study can be stopped and
-gone on with. Both studies take about an hour of one core, with --quick (fewer settings, no fine spacings) minutes.
+gone on with. Both studies take about half an hour of one core, with --quick (fewer settings, no fine spacings) three minutes.
 """
 
 import argparse
