@@ -1,0 +1,121 @@
+#!/usr/bin/python3
+"""Runs of the speed study: one scene with overrides becomes one record, and records are kept between sessions.
+
+Used by tools/speed_study.py; not a program of its own.
+"""
+
+import csv
+import hashlib
+import json
+import os
+import re
+import subprocess
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+SCENES = ROOT / "tests/verification/scenes"
+
+
+class StudyError(Exception):
+    """Something the user can mend; printed without a traceback."""
+
+
+class Run:
+    """What one run of the program left behind. `history` maps column names to arrays; it may be short after a failure."""
+
+    def __init__(self, folder, code, wall, cpu):
+        self.folder, self.code, self.wall, self.cpu = folder, code, wall, cpu
+        self.log = (folder / "run.log").read_text(encoding="utf-8")
+        with open(folder / "history.csv", newline="", encoding="utf-8") as file:
+            lines = list(csv.reader(file))
+        names = [name.rsplit(" [", 1)[0] for name in lines[0]]
+        rows = np.array([[float(value) for value in line] for line in lines[1:] if len(line) == len(names)])
+        self.history = dict(zip(names, rows.T))
+
+    def steps(self):
+        return int(self.history["step"][-1])
+
+    def particles(self):
+        return sum(int(number) for number in re.findall(r": (\d+) particles", self.log))
+
+    def leaked(self):
+        found = re.search(r"leaked particles (\d+)", self.log)
+        return int(found.group(1)) if found else 0
+
+    def snapshots(self):
+        """(time [s], position [m], fields) of every snapshot."""
+        with open(self.folder / "snapshots.csv", newline="", encoding="utf-8") as file:
+            rows = [(float(row["time [s]"]), self.folder / row["file"]) for row in csv.DictReader(file)]
+        for when, path in rows:
+            with h5py.File(path, "r") as file:
+                data = file["VTKHDF/PointData"]
+                yield when, file["VTKHDF/Points"][:].astype(float), {name: data[name][:].astype(float) for name in data}
+
+
+class Runner:
+    def __init__(self, program, folder):
+        self.program, self.folder = program, folder
+        version = subprocess.run([str(program), "--version"], capture_output=True, text=True, check=True).stdout.strip()
+        self.version = version
+        self.commit = re.search(r"commit ([^)]*)\)", version).group(1)
+
+    def run(self, scene, overrides):
+        """One run on one core. A wrong scene is an error of the study; a blow-up is a result."""
+        folder = self.folder / "run"
+        command = [str(self.program), str(SCENES / scene), "--output", str(folder), "--quiet"]
+        for key, value in overrides.items():
+            command += ["-P", f"{key}={value}"]
+        start = time.monotonic()
+        with open(self.folder / "errors.txt", "w", encoding="utf-8") as errors:
+            process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=errors,
+                                       env={**os.environ, "OMP_NUM_THREADS": "1"})
+            # Time of this child alone, whatever else the machine does.
+            _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        wall = time.monotonic() - start
+        if process.returncode not in (0, 3):  # 3: blow-up
+            message = (self.folder / "errors.txt").read_text(encoding="utf-8")[-2000:]
+            raise StudyError(f"{' '.join(command)}\nended with exit code {process.returncode}\n{message}")
+        return Run(folder, process.returncode, wall, usage.ru_utime + usage.ru_stime)
+
+
+def fingerprint(scene, overrides):
+    """Of the input of a run, so that a record is not taken for one of a scene that has changed since."""
+    text = (SCENES / scene).read_text(encoding="utf-8") + json.dumps(overrides, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+class Records:
+    """Lines of JSON, one per run. A run whose `key` (with the fingerprint of its input) and commit are present is not
+    repeated."""
+
+    def __init__(self, path, commit):
+        self.path, self.commit, self.known = path, commit, {}
+        if path.exists():
+            for line in path.read_text(encoding="utf-8").splitlines():
+                record = json.loads(line)
+                self.known[self.name_of(record["key"], record["commit"])] = record
+
+    @staticmethod
+    def name_of(key, commit):
+        return json.dumps([key, commit], sort_keys=True)
+
+    def get(self, key, measure):
+        """The record of `key` (a dict), from the file or made by `measure()`, a dict of results."""
+        name = self.name_of(key, self.commit)
+        if name not in self.known:
+            record = {"key": key, "commit": self.commit, **measure()}
+            with open(self.path, "a", encoding="utf-8") as file:
+                file.write(json.dumps(record) + "\n")
+            self.known[name] = record
+        return self.known[name]
+
+
+def table(title, columns, rows):
+    print(f"\n{title}\n\n| " + " | ".join(columns) + " |\n|" + "---|" * len(columns))
+    for row in rows:
+        print("| " + " | ".join(row) + " |")
