@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "base/simd.hpp"
-#include "particles/particle_set.hpp"
 #include "base/timer.hpp"
+#include "particles/particle_set.hpp"
 
 namespace stirsph::bench {
 namespace {

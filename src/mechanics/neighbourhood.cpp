@@ -152,6 +152,9 @@ bool Neighbourhood::holds(const ListMotion& motion, double dt) const {
   const double deviation = motion.deviation + dt * (motion.relative_speed + kick);
   const double displacement = motion.displacement + dt * (motion.speed + kick);
   if (reach_ - 2 * displacement >= support) return true;
+  // Particles are put back into a periodic domain when the list is built and must not leave it far: a rigid body there
+  // may end at the border.
+  if (domain_.any_periodic()) return false;
   const double squeezed = 1 - 2 * (age_ + dt) * compression_;
   return squeezed > 0 && reach_ * std::sqrt(squeezed) - 2 * deviation >= support &&
          distance_ - 2 * displacement >= support;
