@@ -28,4 +28,10 @@ struct MechanicsSettings {
   bool heat_input = false;       ///< plastic heat is collected in the field heat_input
 };
 
+/// The Courant number C of dt = C h/(c + |v|) that is safe for every kernel with viscosity_alpha up to 1, contact and
+/// heat: 0.8 of the least limit that `tools/speed_study.py time_step` finds (README.md beside this file).
+inline double safe_courant_number(const MechanicsSettings& settings) {
+  return settings.gradient_correction == GradientCorrection::Full ? 0.5 : 0.8;
+}
+
 }  // namespace stirsph

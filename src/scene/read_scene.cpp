@@ -94,7 +94,7 @@ void read_numerics(const Parameters& root, Scene& scene) {
 void read_time(const Parameters& root, Scene& scene) {
   const Parameters t = root.table("time");
   scene.time.end = t.real("end");
-  scene.time.cfl = t.real("cfl");
+  scene.time.cfl = t.has("cfl") ? t.real("cfl") : safe_courant_number(scene.numerics);
   if (t.has("step")) scene.time.fixed_step = t.real("step");
   scene.time.most_steps = t.integer("most_steps");
   if (!scene.mechanics && scene.time.fixed_step <= 0)

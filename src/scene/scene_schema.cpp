@@ -91,7 +91,12 @@ void declare_numerics(Schema& s) {
 void declare_time(Schema& s) {
   Schema& t = s.table("time", "time integration");
   t.real("end", "process time at which the run ends").unit("s").positive();
-  t.real("cfl", "Courant number: dt = cfl min(h)/(c + |v|)").range(1e-4, 3).by_default(0.5);
+  t.real("cfl",
+         "Courant number: dt = cfl min(h)/(c + |v|); without it 0.8, or 0.5 with gradient_correction = \"full\", which "
+         "are "
+         "safe for every kernel (src/mechanics/README.md)")
+      .range(1e-4, 3)
+      .optional();
   t.real("step", "fixed time step; without it the step follows the Courant number").unit("s").positive().optional();
   t.integer("most_steps", "stop after so many steps (0: no limit)").not_negative().by_default("0");
 }
