@@ -32,28 +32,30 @@ Phase over_ranks(const Comm& comm, double own) { return {comm.min(own), comm.sum
 /// Who is within the support of whom, at this moment.
 struct Reach {
   double neighbours = 0;  ///< mean per particle, self not counted
-  double reached = 0;     ///< mean per register: candidates that one of its particles reaches
+  double visited = 0;     ///< mean per register: candidates that the second sweep works through
 };
 
 Reach count_reach(const Simulation& simulation) {
   const ParticleSet& particles = simulation.particles();
   const PairList& pairs = simulation.neighbourhood().pairs();
   const double support = simulation.mechanics()->support(particles);
-  double neighbours = 0, reached = 0, registers = 0;
+  double neighbours = 0, visited = 0, registers = 0;
   for (std::size_t first = 0; first < particles.owned(); first += lanes) {
     registers += 1;
+    visited += cluster_size;  // the register's own cluster; of the others those behind it (ActivePairs)
+    const std::size_t end = (first / cluster_size + 1) * cluster_size;
     for (const std::int32_t j : pairs.candidates(first / cluster_size)) {
       const Vec3 other = particles.vector_at(field::position, static_cast<std::size_t>(j));
       int near = 0;
       for (std::size_t i = first; i < std::min(first + lanes, particles.owned()); ++i)
         near += norm(particles.vector_at(field::position, i) - other) < support;
       neighbours += near;
-      reached += near > 0;
+      visited += near > 0 && static_cast<std::size_t>(j) >= end;
     }
   }
   const Comm& comm = simulation.comm();
   return {comm.sum(neighbours) / static_cast<double>(simulation.particle_count()) - 1,
-          comm.sum(reached) / comm.sum(registers)};
+          comm.sum(visited) / comm.sum(registers)};
 }
 
 /// A folder of the system's temporary place for as long as this lives. Collective.
@@ -156,7 +158,7 @@ void describe(const Simulation& simulation, Measurement& result) {
   result.dt = simulation.clock().dt;
   const Reach reach = count_reach(simulation);
   result.neighbours = reach.neighbours;
-  result.reached = reach.reached;
+  result.visited = reach.visited;
   result.candidates = cluster_size * per_particle(simulation.neighbourhood().pairs().size());
   result.yielding = per_particle(simulation.mechanics()->counters().yielding);
   result.memory = {per_particle(simulation.particles().bytes()), per_particle(simulation.neighbourhood().bytes()),

@@ -41,7 +41,7 @@ struct Measurement {
   double spacing = 0, dt = 0;  ///< m; s, of the last step
   double neighbours = 0;       ///< mean number within the support, self not counted
   double candidates = 0;       ///< mean length of a cluster's list
-  double reached = 0;          ///< mean number of these that a particle of a SIMD register reaches
+  double visited = 0;          ///< mean per register: candidates that the second sweep works through
   double yielding = 0;         ///< share of the particles
   Memory memory;
   std::vector<Window> windows;  ///< in the order measured

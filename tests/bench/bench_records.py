@@ -30,7 +30,7 @@ def check_record(record, scene, correction, ranks):
         assert isinstance(record[key], (int, float)) and record[key] > 0, key
     # Nearest neighbours within 2.6 spacings: 80 inside a lattice, fewer at the many surfaces of so small a body.
     assert 15 < record["neighbours"] < 80
-    assert record["candidates_per_cluster"] >= record["reached_per_register"] > record["neighbours"]
+    assert record["candidates_per_cluster"] >= record["visited_per_register"] > 8
     assert close(sum(record["bytes"].values()), record["bytes_per_particle"])
 
     seconds, rates = record["seconds"], record["rates"]
