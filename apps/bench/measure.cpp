@@ -161,6 +161,16 @@ void describe(const Simulation& simulation, Measurement& result) {
   result.visited = reach.visited;
   result.candidates = cluster_size * per_particle(simulation.neighbourhood().pairs().size());
   result.yielding = per_particle(simulation.mechanics()->counters().yielding);
+  if (const Contact* contact = simulation.contact()) {
+    std::size_t looks = 0;
+    const double start = wall_seconds();
+    const auto candidates = contact->search(simulation.particles(), simulation.rigids());
+    result.contact_search = comm.sum(wall_seconds() - start) / particles;
+    for (const auto& near : candidates) looks += near.size();
+    result.contact_looks = per_particle(looks);
+    result.contact_searches =
+        static_cast<double>(contact->searches()) / static_cast<double>(simulation.clock().step + 1);  // and the start
+  }
   result.memory = {per_particle(simulation.particles().bytes()), per_particle(simulation.neighbourhood().bytes()),
                    per_particle(simulation.mechanics()->bytes())};
 }

@@ -38,11 +38,14 @@ struct Memory {
 struct Measurement {
   std::int64_t particles = 0;
   int ranks = 1, steps = 0;
-  double spacing = 0, dt = 0;  ///< m; s, of the last step
-  double neighbours = 0;       ///< mean number within the support, self not counted
-  double candidates = 0;       ///< mean length of a cluster's list
-  double visited = 0;          ///< mean per register: candidates that the second sweep works through
-  double yielding = 0;         ///< share of the particles
+  double spacing = 0, dt = 0;   ///< m; s, of the last step
+  double neighbours = 0;        ///< mean number within the support, self not counted
+  double candidates = 0;        ///< mean length of a cluster's list
+  double visited = 0;           ///< mean per register: candidates that the second sweep works through
+  double yielding = 0;          ///< share of the particles
+  double contact_looks = 0;     ///< contact candidates per particle
+  double contact_search = 0;    ///< s of one search for them on all ranks, per particle
+  double contact_searches = 0;  ///< searches per step since the start
   Memory memory;
   std::vector<Window> windows;  ///< in the order measured
 

@@ -85,16 +85,17 @@ std::string json_report(const Options& options, const Measurement& m) {
                           number(phase.least), number(phase.mean), number(phase.most));
   return fmt::format(
       R"({{{}, {}, "particles": {}, "spacing": {}, "dt": {}, "steps": {}, "seconds": {}, "cpu_share": {}, "rebuilds": {},
-"particle_steps_per_s_per_core": {}, "rates": [{}], "neighbours": {}, "candidates_per_cluster": {}, "visited_per_register": {}, "yielding": {},
+"particle_steps_per_s_per_core": {}, "rates": [{}], "neighbours": {}, "candidates_per_cluster": {}, "visited_per_register": {}, "yielding": {}, "contact_looks": {}, "contact_search": {}, "contact_searches": {},
 "bytes_per_particle": {}, "bytes": {{"particles": {}, "list": {}, "mechanics": {}}},
 "rebuild_cost_steps": {}, "steps_per_list": {}, "step_overhead_us": {}, "service_share": {},
 "phases": {{{}}}}}
 )",
       origin_json(m.ranks), options_json(options), m.particles, number(m.spacing), number(m.dt), m.steps,
       number(median.seconds), number(median.cpu_share), median.rebuilds, number(m.rate(median)), rates,
-      number(m.neighbours), number(m.candidates), number(m.visited), number(m.yielding), number(m.memory.total()),
-      number(m.memory.particles), number(m.memory.list), number(m.memory.mechanics), number(m.rebuild_cost_steps()),
-      number(m.steps_per_list()), number(m.step_overhead_us()), number(m.service_share()), phases);
+      number(m.neighbours), number(m.candidates), number(m.visited), number(m.yielding), number(m.contact_looks),
+      number(m.contact_search), number(m.contact_searches), number(m.memory.total()), number(m.memory.particles),
+      number(m.memory.list), number(m.memory.mechanics), number(m.rebuild_cost_steps()), number(m.steps_per_list()),
+      number(m.step_overhead_us()), number(m.service_share()), phases);
 }
 
 std::string text_report(const MachineRates& rates, int ranks) {

@@ -37,15 +37,16 @@ Ball ball_around(const ParticleSet& particles, std::size_t first, std::size_t la
 
 }  // namespace
 
-void Contact::find_candidates(const ParticleSet& particles, const std::vector<RigidBody>& bodies) {
-  // A whole spacing of margin: a candidate list lives for several steps even under a fast rim.
-  const double margin = spacing_, reach = 0.5 * spacing_ + margin;
+// A whole spacing of margin: a candidate list lives for several steps even under a fast rim.
+double Contact::margin() const { return spacing_; }
+
+std::vector<std::vector<std::int32_t>> Contact::search(const ParticleSet& particles,
+                                                       const std::vector<RigidBody>& bodies) const {
+  const double reach = 0.5 * spacing_ + margin();
+  std::vector<std::vector<std::int32_t>> candidates(pairs_.size());
   const auto body_of = particles[field::body];
   std::vector<PlacedBody> placed;
-  for (std::size_t p = 0; p < pairs_.size(); ++p) {
-    candidates_[p].clear();
-    placed.emplace_back(bodies[pairs_[p].rigid]);
-  }
+  for (const ContactPair& pair : pairs_) placed.emplace_back(bodies[pair.rigid]);
   for (std::size_t first = 0; first < particles.owned(); first += cluster_size) {
     const std::size_t last = std::min(first + cluster_size, particles.owned());
     const Ball ball = ball_around(particles, first, last);
@@ -55,18 +56,22 @@ void Contact::find_candidates(const ParticleSet& particles, const std::vector<Ri
       for (std::size_t i = first; i < last; ++i)
         if (pairs_[p].bodies[static_cast<int>(body_of[i])] &&
             placed[p].nearest(particles.vector_at(field::position, i)).distance < reach)
-          candidates_[p].push_back(static_cast<std::int32_t>(i));
+          candidates[p].push_back(static_cast<std::int32_t>(i));
     }
   }
-  candidates_valid_ = true;
-  budget_ = margin;
+  return candidates;
 }
 
 void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel,
                     bool heat_input) {
   contact_step_ = std::max(contact_step_, dt);
   budget_ -= travel;
-  if (!candidates_valid_ || budget_ <= 0) find_candidates(particles, bodies);
+  if (!candidates_valid_ || budget_ <= 0) {
+    candidates_ = search(particles, bodies);
+    candidates_valid_ = true;
+    searches_ += 1;
+    budget_ = margin();
+  }
   loads_.assign(bodies.size(), {});
 
   std::array<double*, 3> a{}, v{};

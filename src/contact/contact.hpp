@@ -59,6 +59,13 @@ class Contact {
   /// any particle or body surface moved since the last call. dt [s].
   void apply(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel, bool heat_input);
 
+  /// Per pair the owned particles that contact has to look at while candidate lists live, at these positions.
+  std::vector<std::vector<std::int32_t>> search(const ParticleSet& particles,
+                                                const std::vector<RigidBody>& bodies) const;
+
+  /// Searches for candidates that apply() has made.
+  long searches() const { return searches_; }
+
   const std::vector<ContactLoad>& loads() const { return loads_; }
   ContactLedger& ledger() { return ledger_; }
   const ContactLedger& ledger() const { return ledger_; }
@@ -74,7 +81,7 @@ class Contact {
   std::vector<Overlap> overlaps(const ParticleSet& particles, const std::vector<RigidBody>& bodies) const;
 
  private:
-  void find_candidates(const ParticleSet& particles, const std::vector<RigidBody>& bodies);
+  double margin() const;  ///< m that may be travelled while a candidate list lives
   double area_of(double volume) const;
 
   std::vector<ContactPair> pairs_;
@@ -84,6 +91,7 @@ class Contact {
   double density_scale_;
   double contact_step_ = 0;
   bool candidates_valid_ = false;
+  long searches_ = 0;
   double budget_ = 0;  ///< m that may still be travelled before a new particle could touch
   std::vector<std::vector<std::int32_t>> candidates_;
   std::vector<ContactLoad> loads_;

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "base/timer.hpp"
+#include "driver/step_cost.hpp"
 #include "io/files.hpp"
 #include "mechanics/mechanics.hpp"
 #include "neighbours/cluster_order.hpp"
@@ -43,8 +44,8 @@ void put_in_order(Part& part) {
   part.members = std::move(members);
 }
 
-/// Pair-list entries of the part; `work`: those of each particle's cluster, the cost a run balances.
-std::int64_t count_candidates(Part& part, double reach, std::vector<double>& work) {
+/// Counts the pair list of the part; `work`: cost of each particle, which a run balances.
+void count_work(const Scene& scene, Part& part, double reach, PartShare& share, std::vector<double>& work) {
   ParticleSet& particles = part.particles;
   particles.resize_halo(part.copies.size());
   for (std::size_t k = 0; k < part.copies.size(); ++k)
@@ -52,9 +53,12 @@ std::int64_t count_candidates(Part& part, double reach, std::vector<double>& wor
       particles.component(field::position, d)[particles.owned() + k] = part.copies[k][d];
   PairList pairs;
   pairs.build(particles, reach);
-  for (std::size_t k = 0; k < part.members.size(); ++k)
-    work[part.members[k]] = static_cast<double>(pairs.candidates(k / cluster_size).size());
-  return static_cast<std::int64_t>(pairs.size());
+  share.candidates = static_cast<std::int64_t>(pairs.size());
+  const std::vector<double> costs = particle_costs(scene, particles, pairs, nullptr, {});
+  for (std::size_t k = 0; k < costs.size(); ++k) {
+    work[part.members[k]] = costs[k];
+    share.cost += costs[k];
+  }
 }
 
 /// Cuts by `work` (one per particle, empty for equal ones), counts the shares and renews `work`.
@@ -92,7 +96,7 @@ Partition cut(const Comm& comm, const Scene& scene, const ParticleSet& all, doub
         parts[to].copies.push_back(parts[p].particles.vector_at(field::position, copies.sent[k]) + copies.shifts[k]);
     }
   }
-  for (int p = 0; p < part_count; ++p) partition.shares[p].candidates = count_candidates(parts[p], reach, work);
+  for (int p = 0; p < part_count; ++p) count_work(scene, parts[p], reach, partition.shares[p], work);
   partition.list_seconds = (wall_seconds() - listing) / part_count;
   return partition;
 }
@@ -141,7 +145,7 @@ std::pair<double, double> largest_and_mean(const Partition& partition, Value&& v
 }  // namespace
 
 double Partition::imbalance() const {
-  const auto [largest, mean] = largest_and_mean(*this, [](const PartShare& share) { return share.candidates; });
+  const auto [largest, mean] = largest_and_mean(*this, [](const PartShare& share) { return share.cost; });
   return mean > 0 ? largest / mean : 1.0;
 }
 

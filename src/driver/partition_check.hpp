@@ -16,7 +16,8 @@ inline constexpr int most_parts = 1 << 20;
 /// What one rank would hold and exchange.
 struct PartShare {
   std::int64_t particles = 0;
-  std::int64_t candidates = 0;  ///< entries of its pair list, the measure of work
+  std::int64_t candidates = 0;  ///< entries of its pair list
+  double cost = 0;              ///< of a step, in units of step_cost.hpp
   std::int64_t sent = 0;        ///< halo copies that leave in one exchange, images of its own particles included
   std::int64_t received = 0;
   int destinations = 0;  ///< other ranks it sends to
@@ -29,7 +30,7 @@ struct Partition {
   double metis_seconds = 0;  ///< of making the graph and cutting it, on rank 0 of a run while the others wait
   double list_seconds = 0;   ///< mean over the parts: storage order, halo plan and pair list with its halo copies
   std::vector<PartShare> shares;
-  /// Most loaded part over the mean, by pair-list entries: what the run compares with numerics.repartition_imbalance.
+  /// Most loaded part over the mean, by cost: what the run compares with numerics.repartition_imbalance.
   double imbalance() const;
 };
 
@@ -43,8 +44,9 @@ struct PartitionStudy {
 };
 
 /// Fills the bodies of the scene and cuts the cells as a run on that many ranks does: first by particles, and by work
-/// if that leaves the pair lists more uneven than the scene allows. Pair lists and halo copies of every part are
-/// counted by the code that makes them in a run. Rigid bodies and heat are left out. Not collective: the calling rank
+/// if that leaves it more uneven than the scene allows. Pair lists and halo copies of every part are
+/// counted by the code that makes them in a run. Rigid bodies are left out, so there is no
+/// work of contact. Not collective: the calling rank
 /// does all of it.
 PartitionStudy study_partitions(const Scene& scene, const std::vector<int>& part_counts);
 /// The same on the root: prints the table and, unless `file` is empty, writes the CSV. Collective.

@@ -264,7 +264,7 @@ void Run::print_header() const {
 
 void Run::print_progress() {
   const Diagnostics d = diagnose(simulation_);
-  const double imbalance = simulation_.neighbourhood().imbalance();
+  const double imbalance = simulation_.imbalance();
   last_progress_ = elapsed();
   const Scene& scene = simulation_.scene();
   const Clock& clock = simulation_.clock();
@@ -300,11 +300,11 @@ void Run::print_report(const Diagnostics& d) {
         e.residual(), d.viscous_ratio, d.inertia_number, d.leaked));
     const ListUpkeep& upkeep = simulation_.list_upkeep();
     const double cost = comm_.sum(simulation_.renewal_cost()) / comm_.size();
-    const double imbalance = simulation_.neighbourhood().imbalance();
+    const double imbalance = simulation_.imbalance(), measured = simulation_.measured_imbalance();
     log::info(
         fmt::format("pair lists: renewed {} times, {:.1f} steps a list, a renewal costs {:.2f} steps; {} repartitions, "
-                    "imbalance {:.3f}",
-                    upkeep.renewals, upkeep.steps_per_list(), cost, upkeep.repartitions, imbalance));
+                    "imbalance {:.3f} now by counts, {:.3f} by seconds of sweeps and contact",
+                    upkeep.renewals, upkeep.steps_per_list(), cost, upkeep.repartitions, imbalance, measured));
   }
   if (simulation_.scene().heat.mode == HeatScene::Mode::Conduction) {
     const HeatLedger& heat = simulation_.heat_ledger();

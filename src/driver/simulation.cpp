@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
+#include "driver/step_cost.hpp"
 #include "particles/field_names.hpp"
 
 namespace stirsph {
@@ -34,6 +36,8 @@ void add_surface_flux(RigidHeat& heat, const SurfaceScene& surface, double time,
     heat.node_input[n] += dt * area[n] * (*surface.flux)({time, x.x, x.y, x.z});
   }
 }
+
+double total(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
 }  // namespace
 
@@ -139,13 +143,31 @@ void Simulation::renew_neighbours() {
   const double support = comm_.max(mechanics_ ? mechanics_->support(particles_)
                                               : scene_.numerics.h_over_dx * scene_.numerics.spacing *
                                                     kernel_support(scene_.numerics.kernel));
-  const bool repartition = comm_.size() > 1 && neighbourhood_->imbalance() > scene_.repartition_imbalance;
-  neighbourhood_->rebuild(particles_, support, repartition);
+  bool repartition = false;
+  std::vector<double> costs;
+  if (comm_.size() > 1) {
+    costs = particle_costs();
+    repartition = repartition_rule_.asks(imbalance_of(comm_, total(costs)));
+  }
+  neighbourhood_->rebuild(particles_, support, repartition, costs);
   list_upkeep_.renewals += 1;
   list_upkeep_.repartitions += repartition;
   if (contact_) contact_->forget_candidates();
   collect_grip_members();
   measure_extent();
+}
+
+std::vector<double> Simulation::particle_costs() const {
+  return stirsph::particle_costs(scene_, particles_, neighbourhood_->pairs(), contact_.get(), rigids_);
+}
+
+double Simulation::imbalance() const { return imbalance_of(comm_, total(particle_costs())); }
+
+double Simulation::measured_imbalance() const {
+  double own = 0;
+  for (const auto& [phase, seconds] : timers_.seconds())
+    if (phase == "stress" || phase == "forces" || phase == "contact") own += seconds;
+  return imbalance_of(comm_, own);
 }
 
 double Simulation::renewal_cost() const {

@@ -13,6 +13,7 @@
 #include "driver/step_vote.hpp"
 #include "io/checkpoint.hpp"
 #include "mechanics/mechanics.hpp"
+#include "parallel/repartition_rule.hpp"
 #include "scene/populate.hpp"
 #include "scene/rigid_heat_bodies.hpp"
 #include "scene/rigid_motion.hpp"
@@ -100,6 +101,10 @@ class Simulation {
   const ListUpkeep& list_upkeep() const { return list_upkeep_; }
   /// What a renewal of the lists costs in steps without one; 0 before there was one. This rank's.
   double renewal_cost() const;
+  /// Most loaded rank over the mean, by the costs that a new partition would weigh now. Collective.
+  double imbalance() const;
+  /// The same by the seconds since the start that ranks spent in sweeps and contact, messages not counted. Collective.
+  double measured_imbalance() const;
   const PhaseTimers& timers() const { return timers_; }
   const std::vector<BodyCount>& body_counts() const { return body_counts_; }
   std::int64_t particle_count() const { return particle_count_; }
@@ -130,6 +135,7 @@ class Simulation {
   void drift(double dt);
   void move_rigids(double dt);
   void renew_neighbours();
+  std::vector<double> particle_costs() const;
   void apply_loads(double dt);
   void apply_grips(double dt);
   void advance_heat(double dt);
@@ -174,6 +180,7 @@ class Simulation {
   HeatReport last_heat_;
   PhaseTimers timers_;
   ListUpkeep list_upkeep_;
+  RepartitionRule repartition_rule_;
   std::exception_ptr failure_;
   double time_since_heat_ = 0;
   double speed_ = 0, penetration_ = 0, least_h_ = 0;

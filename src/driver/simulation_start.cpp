@@ -10,7 +10,10 @@
 namespace stirsph {
 
 Simulation::Simulation(Comm comm, Scene scene)
-    : comm_(comm), scene_(std::move(scene)), particles_(layout_of(scene_.space)) {
+    : comm_(comm),
+      scene_(std::move(scene)),
+      particles_(layout_of(scene_.space)),
+      repartition_rule_(scene_.repartition_imbalance) {
   const double spacing = scene_.numerics.spacing;
   neighbourhood_ = std::make_unique<Neighbourhood>(comm_, scene_.domain, scene_.skin * spacing);
   if (scene_.mechanics) {

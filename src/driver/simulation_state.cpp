@@ -40,6 +40,7 @@ NamedState Simulation::named_state() const {
                                  list_expired_ ? 1.0 : 0.0,
                                  static_cast<double>(particle_count_)};
   state.numbers["pair_list"] = neighbourhood_->state();
+  state.numbers["repartition"] = {repartition_rule_.state()};
   state.numbers["initial_kinetic"] = {load_ledger_.initial_kinetic};
   state.numbers["heat_ledger"] = {heat_ledger_.particles, heat_ledger_.rigid, heat_ledger_.source, heat_ledger_.fixed,
                                   heat_ledger_.ambient};
@@ -125,10 +126,12 @@ void Simulation::resume(const std::string& checkpoint) {
   }
 
   const auto& list = numbers("pair_list", 4);
-  if (same_ranks)
+  if (same_ranks) {
+    repartition_rule_.restore(numbers("repartition", 1)[0]);
     neighbourhood_->restore(particles_, list);
-  else
+  } else {
     neighbourhood_->rebuild(particles_, list[0] - neighbourhood_->skin(), true);
+  }
   if (contact_) contact_->forget_candidates();
   collect_grip_members();
   measure_extent();

@@ -20,18 +20,9 @@ void Neighbourhood::add_fields(ParticleSet& particles) {
     particles.add(*info);
 }
 
-void Neighbourhood::rebuild(ParticleSet& particles, double support, bool repartition) {
-  std::vector<double> weights;
-  if (pairs_.clusters() == particles.clusters() && pairs_.clusters() > 0) {
-    weights.resize(particles.owned());
-    for (std::size_t i = 0; i < weights.size(); ++i)
-      weights[i] = static_cast<double>(pairs_.candidates(i / cluster_size).size());
-  }
-  // All ranks must agree whether weights are candidate counts or plain ones.
-  if (comm_.any(weights.empty() && particles.owned() > 0)) weights.clear();
-
+void Neighbourhood::rebuild(ParticleSet& particles, double support, bool repartition, std::span<const double> costs) {
   reach_ = support + skin_;
-  const CellTable cells = decomposition_.redistribute(particles, domain_, reach_, repartition, weights);
+  const CellTable cells = decomposition_.redistribute(particles, domain_, reach_, repartition, costs);
   particles.reorder(cluster_order(particles));
   for (int d = 0; d < domain_.dim; ++d) {
     const auto from = particles.component(field::position, d);
@@ -67,12 +58,6 @@ void Neighbourhood::restore(ParticleSet& particles, const std::vector<double>& s
   for (int d = 0; d < domain_.dim; ++d)
     std::copy(now[d].begin(), now[d].end(), particles.component(field::position, d).begin());
   halo_.exchange(particles, Halo::Kinematic);
-}
-
-double Neighbourhood::imbalance() const {
-  const double own = static_cast<double>(pairs_.size());
-  const double mean = comm_.sum(own) / comm_.size();
-  return mean > 0 ? comm_.max(own) / mean : 1.0;
 }
 
 namespace {

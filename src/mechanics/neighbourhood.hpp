@@ -1,6 +1,7 @@
 /// Keeps particles, halo and pair list consistent: migration, storage order, halo plan and list are renewed together.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "base/comm.hpp"
@@ -30,8 +31,9 @@ class Neighbourhood {
 
   static void add_fields(ParticleSet& particles);
 
-  /// Renews everything for the present positions. `support` [m]: largest kernel support. Collective.
-  void rebuild(ParticleSet& particles, double support, bool repartition);
+  /// Renews everything for the present positions. `support` [m]: largest kernel support. `costs`: of each owned
+  /// particle in a step, what balance and ownership weigh; empty on all ranks for equal ones. Collective.
+  void rebuild(ParticleSet& particles, double support, bool repartition, std::span<const double> costs = {});
   /// After a restart on the same number of ranks: the very list the checkpointed run was using, from the positions it
   /// was built with, so that sums continue bit for bit. Collective.
   void restore(ParticleSet& particles, const std::vector<double>& state);
@@ -54,8 +56,6 @@ class Neighbourhood {
   double skin() const { return skin_; }
   double reach() const { return reach_; }
   long rebuilds() const { return rebuilds_; }
-  /// Most loaded rank over the mean, from the number of candidate pairs; collective.
-  double imbalance() const;
   std::size_t bytes() const { return pairs_.bytes(); }
 
  private:

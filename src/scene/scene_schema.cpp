@@ -83,7 +83,8 @@ void declare_numerics(Schema& s) {
       .optional();
   n.real("elastic_scale", "factor on the elastic moduli").range(1e-6, 1).by_default(1.0);
   n.real("skin", "margin of the pair list over the kernel support, in spacings").range(0.01, 3).by_default(0.3);
-  n.real("repartition_imbalance", "most loaded rank over mean that triggers a new partition")
+  n.real("repartition_imbalance",
+         "most loaded rank over mean that triggers a new partition, if the last one could do better")
       .range(1.01, 10)
       .by_default(1.15);
 }

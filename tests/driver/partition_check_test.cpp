@@ -51,7 +51,7 @@ void expect_as_in_a_run(const Scene& scene) {
   EXPECT_EQ(static_cast<std::size_t>(own.candidates), simulation.neighbourhood().pairs().size());
   EXPECT_EQ(static_cast<std::size_t>(own.sent), simulation.neighbourhood().halo().sent());
   EXPECT_EQ(static_cast<std::size_t>(own.received), simulation.neighbourhood().halo().received());
-  EXPECT_DOUBLE_EQ(partition.imbalance(), simulation.neighbourhood().imbalance());
+  EXPECT_DOUBLE_EQ(partition.imbalance(), simulation.imbalance());
 }
 
 TEST(PartitionCheck, CountsAreThoseOfARun) { expect_as_in_a_run(scene_of(bar)); }

@@ -59,6 +59,29 @@ TEST_P(RestartOf, IsBitwiseOnTheSameRanksG3) {
 
 INSTANTIATE_TEST_SUITE_P(G3, RestartOf, ::testing::Values("mini_tube", "meshed_tube", "spinning_block"));
 
+/// What the last partition reached decides on the next one: a run that forgot it would cut again.
+TEST(Restart, RemembersWhatThePartitionReachedG3) {
+  const Comm comm;
+  if (comm.size() != 3) GTEST_SKIP() << "the scene is even on two ranks and cannot be on three";
+  const std::string path = scratch(comm, "repartition.h5");
+  const std::vector<std::string> often{"numerics.repartition_imbalance=1.01", "numerics.skin=0.03"};
+  const auto straight = started(verification_scene("mini_tube"), often);
+  while (straight->list_upkeep().repartitions == 0 && straight->clock().step < half_way) straight->step();
+  ASSERT_EQ(straight->list_upkeep().repartitions, 1);
+  write_checkpoint(comm, path, straight->particles(), straight->named_state());
+  advance(*straight, all);
+  const long cuts = straight->list_upkeep().repartitions, lists = straight->list_upkeep().renewals;
+  const double imbalance = straight->imbalance();
+  if (comm.is_root()) std::printf("%ld partitions, %ld lists, imbalance at the end %.3f\n", cuts, lists, imbalance);
+  EXPECT_GT(imbalance, 1.01) << "METIS reaches the limit: choose another scene";
+  EXPECT_LT(cuts, lists / 2) << "cut in vain";
+  Simulation resumed(comm, read_scene(verification_scene("mini_tube"), often));
+  resumed.resume(path);
+  advance(resumed, all);
+  EXPECT_EQ(resumed.list_upkeep().repartitions, cuts - 1);
+  expect_identical(*straight, resumed);
+}
+
 /// The next step renews the pair list, and so must that of the continued run.
 TEST(Restart, WhenTheListHasJustExpiredG3) {
   const Comm comm;
