@@ -18,7 +18,7 @@ more than 10 % off: let nothing else run meanwhile. Time of a step on P ranks:
   + vote     log2(P) latencies
   + lists    order, halo plan and pair list of a part, moving the fields; shared by the steps a list lives
   + cell table   made whole on every rank, with its collectives, at every renewal of the lists
-  + METIS    on one rank while the others wait, every 100 lists, or at every list where the balance cannot be reached
+  + METIS    on one rank while the others wait, every 100 lists
   + heat     conjugate gradients: work by share, 2 allreduces and a halo exchange per iteration
 
 All times are in seconds and all sizes in bytes unless a name says otherwise.
@@ -79,7 +79,6 @@ class Process:
     heat_work: float  # core-seconds per solve and million particles
     heat_iterations: float
     overlap: float = 0.0  # part of the halo time that hides behind interior clusters
-    vain_cuts: bool = True  # METIS at every list where it cannot reach numerics.repartition_imbalance
 
 
 class Rates:
@@ -133,7 +132,7 @@ def halo_times(study, parts, network, sizes):
     return total
 
 
-def rebuild_terms(study, parts, network, lists_per_partition, vain_cuts=True):
+def rebuild_terms(study, parts, network, lists_per_partition):
     """Seconds of one renewal of the lists, as Neighbourhood::rebuild does it, by what they are spent on."""
     numbers = study.numbers
     candidates, particles = study.share(parts, "candidates"), study.share(parts, "particles")
@@ -148,10 +147,8 @@ def rebuild_terms(study, parts, network, lists_per_partition, vain_cuts=True):
     terms["lists"] += halo_times(study, parts, network, [numbers["kinematic_bytes"] + numbers["stress_bytes"] + 32]).max()
     # Imbalance (2 numbers), largest support, weights or not, all positions countable: five small allreduces.
     terms["cell table"] += 5 * network.allreduce(parts) + network.allgather(parts, 16 * numbers["cells"])
-    # The run cuts again at every rebuild while the imbalance is above the threshold, whether or not that can help.
-    in_vain = vain_cuts and imbalance > numbers["repartition_imbalance"]
-    every = 1 if in_vain else lists_per_partition
-    terms["METIS"] = (numbers[f"metis_s[{parts}]"] + network.allgather(parts, 8 * numbers["cells"])) / every
+    terms["METIS"] = numbers[f"metis_s[{parts}]"] + network.allgather(parts, 8 * numbers["cells"])
+    terms["METIS"] /= lists_per_partition
     return terms
 
 
@@ -166,7 +163,7 @@ def step_terms(study, parts, rates, network, process):
     terms = {"sweeps": sweeps.mean(), "others": others.mean(), "halo": halo.mean()}
     terms["wait for slowest"] = slowest - sum(terms.values())
     terms["vote"] = network.allreduce(parts)
-    for name, seconds in rebuild_terms(study, parts, network, process.lists_per_partition, process.vain_cuts).items():
+    for name, seconds in rebuild_terms(study, parts, network, process.lists_per_partition).items():
         terms[name] = seconds / process.steps_per_list
     terms["heat"] = 0.0
     if process.steps_per_heat > 0:
@@ -311,13 +308,13 @@ def picture(path, studies, predictions):
         axis.set_xticks(range(len(parts)), [str(p) for p in parts], fontsize=8)
         axis.set_ylabel("share of the step, %")
         axis.set_title(f"{study.numbers['particles']:,.0f} particles", fontsize=10)
-    axes[1, 1].legend(fontsize=8, loc="lower left")
+    figure.legend(*axes[1, 1].get_legend_handles_labels(), fontsize=8, loc="lower center", ncol=5)
     for axis in axes[0]:
         axis.grid(True, which="both", alpha=0.25)
         axis.legend(fontsize=8)
     for axis in axes.flat:
         axis.set_xlabel("ranks")
-    figure.tight_layout()
+    figure.tight_layout(rect=(0, 0.06, 1, 1))
     figure.savefig(path, dpi=150)
     plt.close(figure)
 
@@ -360,8 +357,6 @@ def check_itself():
     near(rebuild_terms(even, 4, free, 10)["METIS"], 0.05, "METIS every ten lists")
     near(rebuild_terms(even, 4, slow, 10)["cell table"], 0.1 + 5 * 2e-6 + 2e-6 + 1600 / 1e9, "collectives of the table")
     rebuild = rebuild_terms(study(4, [26000, 18000, 18000, 18000], 100, 2), 4, free, 10)
-    near(rebuild["METIS"], 0.5, "too uneven: METIS at every list")
-    near(rebuild_terms(study(4, [26000, 18000, 18000, 18000], 100, 2), 4, free, 10, False)["METIS"], 0.05, "no vain cuts")
     near(rebuild["lists"], 1.3 * 0.16 + 0.2 / 4, "rebuild of the most loaded")
     near(step_terms(even, 1, rates, slow, Process(5, math.inf, 0, 0, 0))["lists"], 0.16, "lists shared by five steps")
     fixed = Rates([{"particles": n, "candidates": n, "sweeps": 0.0, "others": 1e-5 + 1e-8 * n} for n in (1000, 4000)])
@@ -395,9 +390,7 @@ def read_arguments():
     parser.add_argument("--overlap", type=float, default=0.0, help="part of the halo time hidden behind work, 0..1 (default 0)")
     parser.add_argument("--steps-per-list", type=positive, default=5, help="life of a pair list (default 5)")
     parser.add_argument("--lists-per-partition", type=positive, default=100,
-                        help="lists between two METIS calls where the balance is good (default 100)")
-    parser.add_argument("--no-vain-cuts", action="store_true",
-                        help="as if METIS were not called again where it cannot reach numerics.repartition_imbalance")
+                        help="lists between two METIS calls (default 100)")
     parser.add_argument("--steps-per-heat", type=float, default=100, help="mechanical steps per heat solve, 0: no heat (default 100)")
     parser.add_argument("--heat-work", type=positive, default=8.6,
                         help="core-seconds per heat solve and million particles at 263,088 (default 8.6, src/thermal/README.md)")
@@ -439,7 +432,7 @@ def main():
     good = compare(measured, bench_study)
     network = Network(arguments.latency, arguments.bandwidth, measured["messages"]["copy_B_per_s"])
     process = Process(arguments.steps_per_list, arguments.lists_per_partition, arguments.steps_per_heat,
-                      arguments.heat_work, arguments.heat_iterations, arguments.overlap, not arguments.no_vain_cuts)
+                      arguments.heat_work, arguments.heat_iterations, arguments.overlap)
     predictions = [predict(study, Rates(measured["rows"]), network, process) for study in studies]
     for study, prediction in zip(studies, predictions):
         report(study, prediction)
