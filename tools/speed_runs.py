@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Runs of the speed study: one scene with overrides becomes one record, and records are kept between sessions.
+"""Runs of the speed study: one scene with overrides becomes one record, and records are kept between calls.
 
 Used by tools/speed_study.py; not a program of its own.
 """
