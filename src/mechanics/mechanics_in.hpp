@@ -24,7 +24,10 @@ class MechanicsIn final : public Mechanics {
   double wave_speed() const override;
   double least_smoothing_length(const ParticleSet& particles) const override;
   double support(const ParticleSet& particles) const override;
-  std::size_t bytes() const override { return records_.capacity() * sizeof(double) + active_.bytes(); }
+  std::size_t bytes() const override {
+    return (records_.capacity() + dissipation_.capacity() + artificial_power_.capacity()) * sizeof(double) +
+           active_.bytes();
+  }
 
  private:
   void pack_gradient_records(const ParticleSet& particles, std::size_t first, std::size_t last);

@@ -37,7 +37,8 @@ class PairList {
   /// Grows by one with every build: lets others reuse what they derived from the list.
   std::uint64_t version() const { return version_; }
   std::size_t bytes() const {
-    return indices_.capacity() * sizeof(std::int32_t) + starts_.capacity() * sizeof(std::size_t);
+    return indices_.capacity() * sizeof(std::int32_t) + starts_.capacity() * sizeof(std::size_t) +
+           behind_.capacity() * sizeof(std::uint32_t) + needs_halo_.capacity();
   }
 
  private:
