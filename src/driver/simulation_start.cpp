@@ -255,6 +255,7 @@ void Simulation::set_grip_velocities() {
 
 void Simulation::start() {
   comm_.together([&] { body_counts_ = populate(scene_, comm_, particles_); });
+  for (BodyCount& body : body_counts_) body.mass = comm_.sum(body.mass);
   particle_count_ = comm_.sum(static_cast<std::int64_t>(particles_.owned()));
   refuse_empty_sets();
   if (mechanics_) mechanics_->initialise(particles_);

@@ -20,17 +20,20 @@ class CandidateCells {
         origin_(options.origin),
         // A point exactly on the margin is taken: rounding must not decide.
         deepest_(-options.margin.value_or(0.25 * spacing) + 1e-9 * spacing),
-        dimensions_(options.dimensions) {
+        dimensions_(options.dimensions),
+        axes_(options.axes),
+        half_plane_(options.half_plane) {
     const Bounds bounds = shape.bounds();
     double candidates = 1;
     for (int i = 0; i < dimensions_; ++i) {
-      if (!std::isfinite(bounds.low[i]) || !std::isfinite(bounds.high[i]))
+      const int axis = axes_[i];
+      if (!std::isfinite(bounds.low[axis]) || !std::isfinite(bounds.high[axis]))
         throw InputError(
             fmt::format("a shape that is filled with particles must be bounded, but this one has no end along "
                         "{}: {}. Give it a height, or cut it with a box",
-                        "xyz"[i], shape.describe()));
-      const double low = std::floor((bounds.low[i] - origin_[i]) / spacing) - 1;
-      const double high = std::ceil((bounds.high[i] - origin_[i]) / spacing) + 1;
+                        "xyz"[axis], shape.describe()));
+      const double low = std::floor((bounds.low[axis] - origin_[axis]) / spacing) - 1;
+      const double high = std::ceil((bounds.high[axis] - origin_[axis]) / spacing) + 1;
       candidates *= std::max(0.0, high - low);
       // 1e12 candidates would take hours to count; beyond it is a slip of units rather than a large run.
       if (candidates > 1e12)
@@ -54,7 +57,8 @@ class CandidateCells {
       if (solid) cell[1] = j;
       for (cell[0] = low_[0]; cell[0] < high_[0]; ++cell[0]) {
         Vec3 point = origin_;
-        for (int i = 0; i < dimensions_; ++i) point[i] += (static_cast<double>(cell[i]) + 0.5) * spacing_;
+        for (int i = 0; i < dimensions_; ++i) point[axes_[i]] += (static_cast<double>(cell[i]) + 0.5) * spacing_;
+        if (half_plane_ && point.x <= 0) continue;
         if (shape_.distance(point) <= deepest_) work(point);
       }
     }
@@ -68,6 +72,8 @@ class CandidateCells {
   Vec3 origin_;
   double deepest_;
   int dimensions_;
+  std::array<int, 3> axes_;
+  bool half_plane_;
   std::array<std::int64_t, 3> low_{}, high_{};  ///< candidate cells, the upper end excluded
 };
 

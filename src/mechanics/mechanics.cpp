@@ -234,6 +234,7 @@ void MechanicsIn<S>::update_acceleration(ParticleSet& particles, const PairList&
 
 template class MechanicsIn<Cartesian3>;
 template class MechanicsIn<PlaneStrain>;
+template class MechanicsIn<AxisymmetricSwirl>;
 
 std::unique_ptr<Mechanics> make_mechanics(const Space& space, const MechanicsSettings& settings,
                                           std::vector<Material> materials) {

@@ -189,5 +189,7 @@ template void MechanicsIn<Cartesian3>::update_block(ParticleSet&, const Gradient
                                                     double);
 template void MechanicsIn<PlaneStrain>::update_block(ParticleSet&, const GradientBlock<PlaneStrain>&, std::size_t,
                                                      double);
+template void MechanicsIn<AxisymmetricSwirl>::update_block(ParticleSet&, const GradientBlock<AxisymmetricSwirl>&,
+                                                           std::size_t, double);
 
 }  // namespace stirsph

@@ -56,7 +56,8 @@ Vec3 ParticleSet::vector_at(const FieldInfo& info, std::size_t i) const {
   const Field* field = find(info);
   if (!field) throw Error(ExitCode::Internal, "no module asked for the field " + std::string(info.name));
   Vec3 v;
-  for (std::size_t c = 0; c < field->components.size() && c < 3; ++c) v[static_cast<int>(c)] = field->components[c][i];
+  for (std::size_t c = 0; c < field->components.size() && c < 3; ++c)
+    v[info.shape == Shape::Position ? layout_.axes[c] : static_cast<int>(c)] = field->components[c][i];
   return v;
 }
 

@@ -62,7 +62,7 @@ class ParticleSet {
   std::span<const double> operator[](const FieldInfo& info) const { return component(info, 0); }
   std::span<double> component(const FieldInfo& info, int c);
   std::span<const double> component(const FieldInfo& info, int c) const;
-  /// A vector field's value as a Vec3 (missing components are zero).
+  /// A vector field's value as a Vec3 in the scene's frame (missing components are zero).
   Vec3 vector_at(const FieldInfo& info, std::size_t i) const;
 
   /// Sets the number of owned particles; halo copies are dropped, new entries are zero.

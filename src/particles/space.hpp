@@ -2,6 +2,7 @@
 /// run time by the scene (`space = "cartesian3"`): nothing inside a sweep asks which space it is in.
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -26,19 +27,37 @@ struct PlaneStrain {
   static constexpr int stress_components = 4;  ///< xx yy zz xy
 };
 
+/// Axial symmetry about z with rotation: the half-plane of r and z, all three velocities and all six stresses, in the
+/// order r theta z. A particle is a whole ring; masses, volumes, forces and torques are those of the ring. In the
+/// scene's frame it stands for the place (r, 0, z), where the directions r, theta, z are those of x, y, z: shapes,
+/// rigid bodies and contact are those of the three-dimensional scene.
+struct AxisymmetricSwirl {
+  static constexpr std::string_view keyword = "axisymmetric";
+  static constexpr int dim = 2;
+  static constexpr int velocity_components = 3;
+  static constexpr int stress_components = 6;  ///< rr tt zz rt rz tz
+};
+
 /// The run-time name of a space; std::visit gives the compile-time type back.
-using Space = std::variant<Cartesian3, PlaneStrain>;
+using Space = std::variant<Cartesian3, PlaneStrain, AxisymmetricSwirl>;
 
 /// Component counts of a space, for code that only stores or moves fields.
 struct SpaceLayout {
   int dim;
   int velocity_components;
   int stress_components;
+  std::array<int, 3> axes{0, 1, 2};  ///< the scene's axis of each component of a position
+
+  bool axisymmetric() const { return axes[1] == 2; }
 };
 
 template <class S>
 constexpr SpaceLayout layout_of() {
   return {S::dim, S::velocity_components, S::stress_components};
+}
+template <>
+constexpr SpaceLayout layout_of<AxisymmetricSwirl>() {
+  return {2, 3, 6, {0, 2, 1}};
 }
 inline SpaceLayout layout_of(const Space& space) {
   return std::visit([]<class S>(const S&) { return layout_of<S>(); }, space);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include "geometry/lattice.hpp"
 #include "particles/field_names.hpp"
@@ -11,7 +12,10 @@ namespace {
 
 LatticeSlice fill(const Scene& scene, const BodyScene& body, int rank, int size) {
   LatticeOptions options;
-  options.dimensions = layout_of(scene.space).dim;
+  const SpaceLayout layout = layout_of(scene.space);
+  options.dimensions = layout.dim;
+  options.axes = layout.axes;
+  options.half_plane = layout.axisymmetric();
   options.origin = body.lattice_origin;
   options.margin = body.fill_margin * scene.numerics.spacing;
   try {
@@ -21,7 +25,12 @@ LatticeSlice fill(const Scene& scene, const BodyScene& body, int rank, int size)
   }
 }
 
-double cell_volume(const Scene& scene) { return std::pow(scene.numerics.spacing, layout_of(scene.space).dim); }
+/// m3 of the particle at x (per metre of depth in plane strain): a cube, a square, a ring.
+double cell_volume(const Scene& scene, const Vec3& x) {
+  const SpaceLayout layout = layout_of(scene.space);
+  const double cell = std::pow(scene.numerics.spacing, layout.dim);
+  return layout.axisymmetric() ? 2 * std::numbers::pi * x.x * cell : cell;
+}
 
 /// A number in [-1, 1) from an integer, the same on every machine and rank (splitmix64).
 double scatter(std::uint64_t key) {
@@ -67,9 +76,10 @@ double set_mask(const Scene& scene, int body, const Vec3& x) {
 std::vector<BodyCount> count_particles(const Scene& scene) {
   std::vector<BodyCount> counts;
   for (const BodyScene& body : scene.bodies) {
-    const std::int64_t n = fill(scene, body, 0, 1).total;
-    counts.push_back(
-        {body.name, n, static_cast<double>(n) * cell_volume(scene) * scene.materials[body.material].density});
+    const LatticeSlice all = fill(scene, body, 0, 1);
+    double volume = 0;
+    for (const Vec3& x : all.points) volume += cell_volume(scene, x);
+    counts.push_back({body.name, all.total, volume * scene.materials[body.material].density});
   }
   return counts;
 }
@@ -78,35 +88,41 @@ std::vector<BodyCount> populate(const Scene& scene, const Comm& comm, ParticleSe
   std::vector<BodyCount> counts;
   std::int64_t first_id = 0;
   std::size_t next = 0;
-  const int dim = layout_of(scene.space).dim;
+  const SpaceLayout layout = layout_of(scene.space);
+  const int dim = layout.dim;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const BodyScene& body = scene.bodies[b];
     const Material& material = scene.materials[body.material];
     const LatticeSlice slice = fill(scene, body, comm.rank(), comm.size());
     particles.resize_owned(next + slice.points.size());
-    const double mass = cell_volume(scene) * material.density;
+    double mass = 0;
     for (std::size_t k = 0; k < slice.points.size(); ++k, ++next) {
       const std::int64_t id = first_id + slice.first + static_cast<std::int64_t>(k);
       Vec3 x = slice.points[k];
       if (body.jitter > 0)
         for (int d = 0; d < dim; ++d)
-          x[d] += body.jitter * scene.numerics.spacing * scatter(static_cast<std::uint64_t>(3 * id + d));
+          x[layout.axes[d]] += body.jitter * scene.numerics.spacing * scatter(static_cast<std::uint64_t>(3 * id + d));
+      const double volume = cell_volume(scene, x);
+      mass += volume * material.density;
       const Start start = start_at(scene, body, x);
       particles[field::id][next] = static_cast<double>(id);
       particles[field::body][next] = static_cast<double>(b);
       particles[field::material][next] = body.material;
-      particles[field::mass][next] = mass;
+      particles[field::mass][next] = volume * material.density;
       if (particles.has(field::sets)) particles[field::sets][next] = set_mask(scene, static_cast<int>(b), x);
       for (int d = 0; d < dim; ++d) {
-        particles.component(field::position, d)[next] = x[d];
-        if (particles.has(field::initial_position)) particles.component(field::initial_position, d)[next] = x[d];
-        if (particles.has(field::velocity)) particles.component(field::velocity, d)[next] = start.velocity[d];
+        particles.component(field::position, d)[next] = x[layout.axes[d]];
+        if (particles.has(field::initial_position))
+          particles.component(field::initial_position, d)[next] = x[layout.axes[d]];
       }
-      particles[field::volume][next] = cell_volume(scene);
+      if (particles.has(field::velocity))
+        for (int c = 0; c < layout.velocity_components; ++c)
+          particles.component(field::velocity, c)[next] = start.velocity[c];
+      particles[field::volume][next] = volume;
       particles[field::smoothing_length][next] = scene.numerics.h_over_dx * scene.numerics.spacing;
       if (particles.has(field::temperature)) particles[field::temperature][next] = start.temperature;
     }
-    counts.push_back({body.name, slice.total, mass * static_cast<double>(slice.total)});
+    counts.push_back({body.name, slice.total, mass});
     first_id += slice.total;
   }
   return counts;

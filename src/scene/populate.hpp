@@ -11,7 +11,7 @@ namespace stirsph {
 struct BodyCount {
   std::string name;
   std::int64_t particles = 0;
-  double mass = 0;  ///< kg
+  double mass = 0;  ///< kg; of populate() this rank's share
 };
 
 /// Counts without creating anything.

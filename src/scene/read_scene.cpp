@@ -103,19 +103,27 @@ void read_time(const Parameters& root, Scene& scene) {
 
 void read_domain(const Parameters& root, Scene& scene) {
   const Parameters d = root.table("domain");
-  scene.domain.dim = layout_of(scene.space).dim;
+  const SpaceLayout layout = layout_of(scene.space);
+  scene.domain.dim = layout.dim;
   const std::vector<std::string> periodic = d.texts("periodic");
   for (const std::string& name : periodic) {
     const int axis = name == "x" ? 0 : name == "y" ? 1 : name == "z" ? 2 : -1;
-    if (axis < 0 || axis >= scene.domain.dim)
+    int component = 0;
+    while (component < layout.dim && layout.axes[component] != axis) ++component;
+    if (layout.axisymmetric() && component != 1)
+      d.fail("periodic", "\"" + name + "\" cannot be periodic in an axisymmetric space. Allowed: \"z\".");
+    if (component == layout.dim)
       d.fail("periodic", "\"" + name + "\" is no direction of this space. Allowed: \"x\", \"y\"" +
                              (scene.domain.dim == 3 ? ", \"z\"." : "."));
-    scene.domain.periodic[axis] = true;
+    scene.domain.periodic[component] = true;
   }
   if (periodic.empty()) return;
   if (!d.has("low") || !d.has("high")) d.fail("periodic", "a periodic domain needs domain.low and domain.high.");
-  scene.domain.low = d.vector("low");
-  scene.domain.high = d.vector("high");
+  const Vec3 low = d.vector("low"), high = d.vector("high");
+  for (int component = 0; component < layout.dim; ++component) {
+    scene.domain.low[component] = low[layout.axes[component]];
+    scene.domain.high[component] = high[layout.axes[component]];
+  }
   for (int axis = 0; axis < scene.domain.dim; ++axis)
     if (scene.domain.periodic[axis] && scene.domain.length(axis) <= 0)
       d.fail("high", "the periodic box must have a positive length in each periodic direction.");
@@ -459,6 +467,7 @@ Scene make_scene(const Parameters& root, const std::string& path) {
   scene.path = path;
   scene.title = root.text("title");
   if (root.text("space") == PlaneStrain::keyword) scene.space = PlaneStrain{};
+  if (root.text("space") == AxisymmetricSwirl::keyword) scene.space = AxisymmetricSwirl{};
   scene.mechanics = root.boolean("mechanics");
   scene.effective_input = root.as_toml();
   read_numerics(root, scene);

@@ -308,7 +308,9 @@ const input::Schema& scene_schema() {
   static const Schema schema = [] {
     Schema s("a StirSPH scene");
     s.text("title", "one line for logs and plots").by_default("untitled");
-    s.choice("space", {"cartesian3", "plane_strain"}, "the space the scene lives in").by_default("cartesian3");
+    s.choice("space", {"cartesian3", "plane_strain", "axisymmetric"},
+             "the space the scene lives in; axisymmetric: about z, with rotation, a scene of round bodies on that axis")
+        .by_default("cartesian3");
     s.boolean("mechanics", "false: only heat is computed, particles stay where they are").by_default("true");
     declare_numerics(s);
     declare_time(s);
