@@ -1,6 +1,7 @@
 #include "contact/contact.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -9,15 +10,33 @@
 namespace stirsph {
 
 Contact::Contact(std::vector<ContactPair> pairs, int dim, double spacing, std::vector<double> moduli,
-                 double density_scale)
+                 const Inertia& inertia)
     : pairs_(std::move(pairs)),
       dim_(dim),
       spacing_(spacing),
       moduli_(std::move(moduli)),
-      density_scale_(density_scale),
+      inertia_(inertia),
       candidates_(pairs_.size()) {}
 
-double Contact::area_of(double volume) const { return dim_ == 3 ? std::cbrt(volume * volume) : std::sqrt(volume); }
+double Contact::area_of(double volume, double radius) const {
+  if (!inertia_.axisymmetric) return dim_ == 3 ? std::cbrt(volume * volume) : std::sqrt(volume);
+  const double circumference = 2 * std::numbers::pi * std::max(radius, inertia_.core);
+  return circumference * std::sqrt(volume / circumference);
+}
+
+/// Friction [N] against a slip [m/s] that all other forces would leave at the end of the kick. Sticking is what would
+/// bring it to rest there: friction never reverses the slip and a held particle does not creep, also where inertia
+/// depends on the direction.
+Vec3 Contact::friction_on(const Vec3& x, const Vec3& slip, double mass, double limit, double dt) const {
+  const Vec3 sticking = inertia_.momentum(x, slip) * (-mass / dt);
+  const double speed = norm(slip);
+  if (norm(sticking) <= limit) return sticking;
+  if (!inertia_.directional()) return slip * (-limit / speed);
+  const Vec3 swirl = inertia_.swirl_part(x, slip);
+  const double per_speed = std::min(limit / speed, mass * inertia_.scale / dt),
+               per_swirl = std::min(limit / speed, mass * inertia_.swirl_scale() / dt);
+  return -per_speed * (slip - swirl) - per_swirl * swirl;
+}
 
 namespace {
 
@@ -75,7 +94,8 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
   loads_.assign(bodies.size(), {});
 
   std::array<double*, 3> a{}, v{};
-  for (int d = 0; d < dim_; ++d) {
+  const int components = particles.layout().velocity_components;
+  for (int d = 0; d < components; ++d) {
     a[d] = particles.component(field::acceleration, d).data();
     v[d] = particles.component(field::velocity, d).data();
   }
@@ -103,11 +123,11 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
       if (depth <= 0) continue;
       const Vec3 n = surface.normal;
       const int material = static_cast<int>(material_of[i]);
-      const double inertia = mass[i] * density_scale_;
-      const double stiffness = std::max(pair.penalty_scale * moduli_[material] * spacing_,
+      const double inertia = mass[i] * inertia_.scale, area = area_of(volume[i], x.x);
+      const double stiffness = std::max(pair.penalty_scale * moduli_[material] * area / spacing_,
                                         pair.soft_scale * inertia / (contact_step_ * contact_step_));
       Vec3 half_velocity, acceleration;
-      for (int d = 0; d < dim_; ++d) {
+      for (int d = 0; d < components; ++d) {
         half_velocity[d] = v[d][i];
         acceleration[d] = a[d][i];
       }
@@ -116,33 +136,31 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
       const double normal_force =
           std::max(0.0, stiffness * depth - 2 * pair.damping * std::sqrt(stiffness * inertia) * opening);
 
-      // Sticking is what would bring the tangential velocity to rest at the end of this kick, all other forces
-      // included: friction never reverses the slip and a held particle does not creep.
       const Vec3 coming = half_velocity + dt * acceleration - surface_velocity;
       const Vec3 slip = coming - dot(coming, n) * n;
-      const double slip_speed = norm(slip);
-      const double area = area_of(volume[i]);
       const double cap =
           pair.shear_limit >= 0 ? pair.shear_limit : pair.shear_limit_factor * strength[i] * std::numbers::inv_sqrt3;
-      const double friction_force = std::min({pair.friction * normal_force, cap * area, inertia * slip_speed / dt});
-      Vec3 force = normal_force * n;
-      if (slip_speed > 0) force -= friction_force / slip_speed * slip;
-      for (int d = 0; d < dim_; ++d) a[d][i] += force[d] / inertia;
+      const Vec3 friction = friction_on(x, slip, mass[i], std::min(pair.friction * normal_force, cap * area), dt);
+      const Vec3 force = normal_force * n + friction, added = inertia_.acceleration(x, force / mass[i]);
+      for (int d = 0; d < components; ++d) a[d][i] += added[d];
 
       // Work over the kick: force times the mean of the velocities before and after it.
-      const Vec3 mean = half_velocity + 0.5 * dt * (acceleration + force / inertia) - surface_velocity;
+      const Vec3 mean = half_velocity + 0.5 * dt * (acceleration + added) - surface_velocity;
       const Vec3 tangential = mean - dot(mean, n) * n;
-      const double friction_power = slip_speed > 0 ? friction_force / slip_speed * dot(slip, tangential) : 0.0;
+      const double friction_power = -dot(friction, tangential);
       ledger_.external += dot(force, surface_velocity) * dt;
       ledger_.friction += friction_power * dt;
       ledger_.normal -= normal_force * dot(mean, n) * dt;
 
-      load.force -= force;
-      load.torque -= cross(x - rigid.pose.axis_point(), force);
+      Vec3 torque = cross(x - rigid.pose.axis_point(), force), resultant = force;
+      if (inertia_.axisymmetric) resultant.x = resultant.y = torque.x = torque.y = 0;  // of the whole ring
+      load.force -= resultant;
+      load.torque -= torque;
       load.friction_power += friction_power;
       load.sliding_speed += norm(tangential);
       load.surface_speed += norm(surface_velocity - dot(surface_velocity, n) * n);
       load.area += area;
+      load.normal_force += normal_force;
       load.penetration = std::max(load.penetration, depth);
       const double heat = pair.heat_conversion * friction_power * dt;
       const double share = pair.heat_share.empty() ? 1.0 : pair.heat_share[material];

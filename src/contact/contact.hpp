@@ -2,10 +2,12 @@
 /// friction limited by the shear strength (eq. 12), friction heat and its split (eqs 14-15).
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "geometry/rigid_body.hpp"
+#include "particles/inertia.hpp"
 #include "particles/particle_set.hpp"
 
 namespace stirsph {
@@ -17,7 +19,7 @@ struct ContactPair {
   double friction = 0;            ///< Coulomb coefficient mu
   double shear_limit_factor = 1;  ///< factor on sigma_y/sqrt(3) of the particle's own flow stress
   double shear_limit = -1;        ///< Pa; when >= 0 it replaces the flow stress limit
-  double penalty_scale = 0.1;     ///< times E dx: the standard penalty stiffness
+  double penalty_scale = 0.1;     ///< times E A/dx, A the particle's area: the standard penalty stiffness
   double soft_scale = 0.1;        ///< S_f of eq. 11
   double damping = 0;             ///< fraction of critical damping of the normal spring
   double heat_conversion = 0.9;   ///< eta of eq. 14
@@ -33,6 +35,7 @@ struct ContactLoad {
   double sliding_speed = 0;   ///< sum over touching particles of |v_t| [m/s]
   double surface_speed = 0;   ///< sum over touching particles of the body's own tangential speed there [m/s]
   double area = 0;            ///< m2 in contact
+  double normal_force = 0;    ///< N, sum of the normal forces' magnitudes
   double penetration = 0;     ///< m, deepest
   double heat = 0;            ///< J of friction heat into the body in this step
 };
@@ -48,8 +51,14 @@ struct ContactLedger {
 class Contact {
  public:
   /// `spacing` [m]; a particle's surface lies spacing/2 outside its centre. `moduli`: Young's modulus per material
-  /// [Pa]. `density_scale`: inertial over physical mass.
-  Contact(std::vector<ContactPair> pairs, int dim, double spacing, std::vector<double> moduli, double density_scale);
+  /// [Pa].
+  Contact(std::vector<ContactPair> pairs, int dim, double spacing, std::vector<double> moduli, const Inertia& inertia);
+
+  /// From now on, another scaling of the mass; the soft constraint keeps its stiffness.
+  void set_density_scale(double scale) {
+    contact_step_ *= std::sqrt(scale / inertia_.scale);
+    inertia_.scale = scale;
+  }
 
   /// Local indices are no longer valid (the particles were reordered).
   void forget_candidates() { candidates_valid_ = false; }
@@ -82,13 +91,15 @@ class Contact {
 
  private:
   double margin() const;  ///< m that may be travelled while a candidate list lives
-  double area_of(double volume) const;
+  /// m2 that a particle covers on a surface; of a ring all around, in plane strain per metre of depth.
+  double area_of(double volume, double radius) const;
+  Vec3 friction_on(const Vec3& x, const Vec3& slip, double mass, double limit, double dt) const;
 
   std::vector<ContactPair> pairs_;
   int dim_;
   double spacing_;
   std::vector<double> moduli_;
-  double density_scale_;
+  Inertia inertia_;
   double contact_step_ = 0;
   bool candidates_valid_ = false;
   long searches_ = 0;

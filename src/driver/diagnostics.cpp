@@ -37,9 +37,10 @@ Diagnostics diagnose(const Simulation& simulation) {
       const double v2 = dot(v, v);
       local.kinetic_physical += 0.5 * mass[i] * v2;
       strain = std::max(strain, plastic[i]);
-      inertia = std::max(inertia, mass[i] / volume[i] * scene.numerics.density_scale * v2 / strength[i]);
+      const double square = mechanics->inertia().square(particles.vector_at(field::position, i), v);
+      local.kinetic += 0.5 * mass[i] * square;
+      inertia = std::max(inertia, mass[i] / volume[i] * square / strength[i]);
     }
-    local.kinetic = local.kinetic_physical * scene.numerics.density_scale;
     const MechanicsLedger& work = mechanics->ledger();
     local.elastic = work.elastic - work.diffusion;
     local.plastic = work.plastic;
@@ -132,6 +133,7 @@ std::vector<HistoryColumn> history_columns(const Scene& scene) {
       columns.push_back({rigid.name + ".slip_ratio", "1"});
       columns.push_back({rigid.name + ".friction_power", "W"});
       columns.push_back({rigid.name + ".contact_area", "m2"});
+      columns.push_back({rigid.name + ".contact_pressure", "Pa"});
       if (rigid.motion.kind == MotionScene::Kind::Force) {
         columns.push_back({rigid.name + ".target_force", "N"});
         columns.push_back({rigid.name + ".at_velocity_limit", "1"});
@@ -170,12 +172,13 @@ std::vector<double> history_row(const Simulation& simulation, const Diagnostics&
          d.viscous_ratio, d.plastic_strain_max, simulation.largest_penetration() / scene.numerics.spacing,
          simulation.largest_speed()});
   }
-  std::vector<double> contact(4 * scene.rigids.size(), 0.0);
+  std::vector<double> contact(5 * scene.rigids.size(), 0.0);
   if (scene.mechanics && simulation.contact() && !simulation.contact()->loads().empty()) {
     for (std::size_t r = 0; r < scene.rigids.size(); ++r) {
       const ContactLoad& load = simulation.contact()->loads()[r];
-      const double values[] = {load.sliding_speed, load.surface_speed, load.friction_power, load.area};
-      std::copy(std::begin(values), std::end(values), contact.begin() + 4 * r);
+      const double values[] = {load.sliding_speed, load.surface_speed, load.friction_power, load.area,
+                               load.normal_force};
+      std::copy(std::begin(values), std::end(values), contact.begin() + 5 * r);
     }
   }
   comm.sum_in_place(contact);
@@ -184,9 +187,10 @@ std::vector<double> history_row(const Simulation& simulation, const Diagnostics&
     const RigidMotion& motion = simulation.motions()[r];
     if (scene.mechanics) {
       const Vec3 force = simulation.rigid_force(static_cast<int>(r));
-      const double* c = &contact[4 * r];
+      const double* c = &contact[5 * r];
       put({force.x, force.y, force.z, dot(simulation.rigid_torque(static_cast<int>(r)), pose.axis), pose.translation.x,
-           pose.translation.y, pose.translation.z, pose.angle, c[1] > 0 ? c[0] / c[1] : 0.0, c[2], c[3]});
+           pose.translation.y, pose.translation.z, pose.angle, c[1] > 0 ? c[0] / c[1] : 0.0, c[2], c[3],
+           c[3] > 0 ? c[4] / c[3] : 0.0});
       if (motion.force_controlled())
         put({motion.target_force(simulation.clock().time), motion.at_velocity_limit() ? 1.0 : 0.0});
     }

@@ -92,8 +92,12 @@ Partition cut(const Comm& comm, const Scene& scene, const ParticleSet& all, doub
         share.destinations += 1;
         partition.shares[to].sources += 1;
       }
-      for (std::size_t k = 0; k < copies.sent.size(); ++k)
-        parts[to].copies.push_back(parts[p].particles.vector_at(field::position, copies.sent[k]) + copies.shifts[k]);
+      for (std::size_t k = 0; k < copies.sent.size(); ++k) {
+        Vec3 place;
+        for (int d = 0; d < all.layout().dim; ++d)
+          place[d] = copies.images[k].coordinate(parts[p].particles.component(field::position, d)[copies.sent[k]], d);
+        parts[to].copies.push_back(place);
+      }
     }
   }
   for (int p = 0; p < part_count; ++p) count_work(scene, parts[p], reach, partition.shares[p], work);

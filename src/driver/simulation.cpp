@@ -121,10 +121,70 @@ void Simulation::kick(double dt) {
 
 void Simulation::drift(double dt) {
   const ScopedTimer timer(timers_, "integration");
+  const Inertia& inertia = mechanics_->inertia();
+  if (inertia.axisymmetric) return drift_rings(dt);
+  if (!inertia.swirl) return drift_on_circles(dt);
   for (int d = 0; d < particles_.layout().dim; ++d) {
     double* x = particles_.component(field::position, d).data();
     const double* v = particles_.component(field::velocity, d).data();
     for (std::size_t i = 0; i < particles_.owned(); ++i) x[i] += dt * v[i];
+  }
+}
+
+/// In the half-plane of r and z. With the swirl's inertia the angular momentum r v_theta stays (with the centrifugal
+/// acceleration a symplectic step), without it v_theta does. A ring that runs through the axis comes out on the other
+/// side.
+void Simulation::drift_rings(double dt) {
+  double* r = particles_.component(field::position, 0).data();
+  double* z = particles_.component(field::position, 1).data();
+  double* radial = particles_.component(field::velocity, 0).data();
+  double* swirl = particles_.component(field::velocity, 1).data();
+  const double* axial = particles_.component(field::velocity, 2).data();
+  const Inertia& inertia = mechanics_->inertia();
+  for (std::size_t i = 0; i < particles_.owned(); ++i) {
+    const double before = std::max(r[i], inertia.core);
+    r[i] += dt * radial[i];
+    z[i] += dt * axial[i];
+    if (r[i] < 0) {
+      r[i] = -r[i];
+      radial[i] = -radial[i];
+    }
+    if (inertia.swirl) swirl[i] *= before / std::max(r[i], inertia.core);
+  }
+}
+
+/// Three dimensions without inertia of the swirl: particles go along their circles around the z axis and their
+/// velocities turn with them, so that no centripetal force is needed.
+void Simulation::drift_on_circles(double dt) {
+  const Inertia& inertia = mechanics_->inertia();
+  std::array<double*, 3> x{}, v{};
+  for (int d = 0; d < 3; ++d) {
+    x[d] = particles_.component(field::position, d).data();
+    v[d] = particles_.component(field::velocity, d).data();
+  }
+  for (std::size_t i = 0; i < particles_.owned(); ++i) {
+    const double spin = inertia.spin({x[0][i], x[1][i], 0}, {v[0][i], v[1][i], 0});
+    const double across = x[0][i] + dt * (v[0][i] + spin * x[1][i]), along = x[1][i] + dt * (v[1][i] - spin * x[0][i]);
+    const double cosine = std::cos(spin * dt), sine = std::sin(spin * dt), vx = v[0][i], vy = v[1][i];
+    x[0][i] = cosine * across - sine * along;
+    x[1][i] = sine * across + cosine * along;
+    x[2][i] += dt * v[2][i];
+    v[0][i] = cosine * vx - sine * vy;
+    v[1][i] = sine * vx + cosine * vy;
+  }
+}
+
+/// The centrifugal acceleration of rings that have their swirl's inertia.
+void Simulation::add_centrifugal(double dt) {
+  const Inertia& inertia = mechanics_->inertia();
+  if (!inertia.axisymmetric || !inertia.swirl) return;
+  const double* r = particles_.component(field::position, 0).data();
+  const double* swirl = particles_.component(field::velocity, 1).data();
+  const double* swirl_rate = particles_.component(field::acceleration, 1).data();
+  double* a = particles_.component(field::acceleration, 0).data();
+  for (std::size_t i = 0; i < particles_.owned(); ++i) {
+    const double now = swirl[i] + 0.5 * dt * swirl_rate[i];
+    a[i] += now * now / std::max(r[i], inertia.core);
   }
 }
 
@@ -191,6 +251,8 @@ void Simulation::measure_extent() {
 }
 
 void Simulation::apply_loads(double dt) {
+  const Inertia& inertia = mechanics_->inertia();
+  add_centrifugal(dt);
   const auto& force = scene_.body_force;
   if (force[0] || force[1] || force[2]) {
     const ScopedTimer timer(timers_, "loads");
@@ -199,7 +261,7 @@ void Simulation::apply_loads(double dt) {
       // The weight is physical: a scaled inertia must not make the load heavier.
       const double acceleration = (*force[d])({clock_.time + dt});
       double* a = particles_.component(field::acceleration, d).data();
-      for (std::size_t i = 0; i < particles_.owned(); ++i) a[i] += acceleration / scene_.numerics.density_scale;
+      for (std::size_t i = 0; i < particles_.owned(); ++i) a[i] += acceleration / inertia.scale;
     }
   }
   if (contact_) {
@@ -228,31 +290,35 @@ void Simulation::apply_loads(double dt) {
 /// prescribed one; the force this takes is the reaction.
 void Simulation::apply_grips(double dt) {
   grip_loads_.assign(scene_.grips.size(), {});
+  const Inertia& inertia = mechanics_->inertia();
   const int dim = particles_.layout().velocity_components;
   const double next_time = clock_.time + 1.5 * dt;
   for (std::size_t g = 0; g < scene_.grips.size(); ++g) {
     const GripScene& grip = scene_.grips[g];
     const double rate = grip.rotation ? grip.rotation->rate({next_time}) : 0.0;
     for (const std::int32_t i : grip_members_[g]) {
-      const double inertia = particles_[field::mass][i] * scene_.numerics.density_scale;
       const Vec3 x = particles_.vector_at(field::position, i), x0 = particles_.vector_at(field::initial_position, i);
       const Vec3 v = particles_.vector_at(field::velocity, i), a = particles_.vector_at(field::acceleration, i);
       Vec3 wanted = a;
       if (grip.rotation) {
         // The chord of the arc, so that the particle stays on its circle whatever the step.
         const Vec3 arm = x - grip.rotation->centre;
-        const Vec3 chord = rotated(arm, grip.rotation->axis, rate * dt) - arm;
+        const bool circles = inertia.axisymmetric || !inertia.swirl;  // the drift goes along the circle by itself
+        const Vec3 chord =
+            circles ? rate * dt * cross(grip.rotation->axis, arm) : rotated(arm, grip.rotation->axis, rate * dt) - arm;
         const Vec3 across = (chord / dt - v) / dt;
         const Vec3& axis = grip.rotation->axis;
         wanted = across - dot(across, axis) * axis + dot(a, axis) * axis;
       }
       for (int d = 0; d < dim; ++d)
         if (grip.velocity[d]) wanted[d] = ((*grip.velocity[d])({next_time, x0.x, x0.y, x0.z}) - v[d]) / dt;
-      const Vec3 reaction = inertia * (wanted - a);
+      Vec3 reaction = particles_[field::mass][i] * inertia.momentum(x, wanted - a);
       for (int d = 0; d < dim; ++d) particles_.component(field::acceleration, d)[i] = wanted[d];
-      grip_loads_[g].force += reaction;
-      grip_loads_[g].torque += cross(grip.rotation ? x - grip.rotation->centre : x, reaction);
       load_ledger_.grips += dot(reaction, v + 0.5 * dt * wanted) * dt;
+      Vec3 torque = cross(grip.rotation ? x - grip.rotation->centre : x, reaction);
+      if (inertia.axisymmetric) reaction.x = reaction.y = torque.x = torque.y = 0;  // of the whole ring
+      grip_loads_[g].force += reaction;
+      grip_loads_[g].torque += torque;
     }
   }
 }
@@ -347,7 +413,9 @@ double Simulation::surface_speed() const {
   double fastest = 0;
   for (const RigidBody& rigid : rigids_) {
     const double radius = farthest_ + norm(rigid.pose.axis_point());
-    fastest = std::max(fastest, norm(rigid.pose.velocity) + std::abs(rigid.pose.angular_velocity) * radius);
+    // A round body that turns about its axis moves no point of its surface out of the half-plane's section.
+    const double rotation = particles_.layout().axisymmetric() ? 0.0 : std::abs(rigid.pose.angular_velocity) * radius;
+    fastest = std::max(fastest, norm(rigid.pose.velocity) + rotation);
   }
   return fastest;
 }
@@ -355,7 +423,13 @@ double Simulation::surface_speed() const {
 /// dt = C min(h)/(c + |v|max) (paper eq. 20), or the fixed step; never past the end of the process.
 double Simulation::stable_step() const {
   double dt = scene_.time.fixed_step;
-  if (dt <= 0) dt = scene_.time.cfl * least_h_ / (mechanics_->wave_speed() + speed_);
+  if (dt <= 0) {
+    dt = scene_.time.cfl * least_h_ / (mechanics_->wave_speed() + speed_);
+    // Particles that go along circles pass each other by far more than their relative motion in a plane.
+    const Inertia& inertia = mechanics_->inertia();
+    if (!inertia.swirl && !inertia.axisymmetric && speed_ > 0)
+      dt = std::min(dt, scene_.limits.travel * scene_.numerics.spacing / speed_);
+  }
   const double left = scene_.time.end - clock_.time;
   if (left <= 0) return dt;
   return left < dt * (1 + 1e-9) ? left : dt;
@@ -367,7 +441,7 @@ void Simulation::vote() {
   ballot.clear();
   if (mechanics_) {
     guarded([&] {
-      const ListMotion motion = neighbourhood_->motion(particles_);
+      const ListMotion motion = neighbourhood_->motion(particles_, mechanics_->inertia());
       ballot[StepVote::Deviation] = motion.deviation;
       ballot[StepVote::RelativeSpeed] = motion.relative_speed;
       ballot[StepVote::Displacement] = motion.displacement;

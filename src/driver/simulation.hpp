@@ -133,6 +133,9 @@ class Simulation {
 
   void kick(double dt);
   void drift(double dt);
+  void drift_rings(double dt);
+  void drift_on_circles(double dt);
+  void add_centrifugal(double dt);
   void move_rigids(double dt);
   void renew_neighbours();
   std::vector<double> particle_costs() const;

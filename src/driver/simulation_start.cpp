@@ -152,7 +152,7 @@ void Simulation::build_contact() {
   for (const Material& material : scene_.materials)
     moduli.push_back(material.youngs_modulus * scene_.numerics.elastic_scale);
   contact_ = std::make_unique<Contact>(std::move(pairs), layout_of(scene_.space).dim, scene_.numerics.spacing, moduli,
-                                       scene_.numerics.density_scale);
+                                       inertia_of(scene_.numerics, layout_of(scene_.space).axisymmetric()));
 }
 
 void Simulation::refuse_overlaps() {
@@ -279,7 +279,8 @@ void Simulation::start() {
   for (std::size_t i = 0; i < particles_.owned(); ++i) {
     const Vec3 v = particles_.vector_at(field::velocity, i);
     speed_ = std::max(speed_, norm(v));
-    kinetic += 0.5 * particles_[field::mass][i] * scene_.numerics.density_scale * dot(v, v);
+    kinetic +=
+        0.5 * particles_[field::mass][i] * mechanics_->inertia().square(particles_.vector_at(field::position, i), v);
   }
   speed_ = comm_.max(speed_);
   load_ledger_.initial_kinetic = comm_.sum(kinetic);

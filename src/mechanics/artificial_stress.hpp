@@ -57,8 +57,8 @@ void diagonalise(LaneMatrix<T, N>& m, LaneMatrix<T, N>& axes) {
   }
 }
 
-/// `stress` [Pa] in storage order (its dim x dim part is used); writes the in-space components of `artificial` [Pa] and
-/// zeros for the others. T: double or lanes.
+/// `stress` [Pa] in storage order (its part in the plane of the positions is used); writes the in-space components of
+/// `artificial` [Pa] and zeros for the others. T: double or lanes.
 template <class S, class T>
 void artificial_stress(const T* stress, double epsilon, T* artificial) {
   using std::abs, std::max;
@@ -69,7 +69,7 @@ void artificial_stress(const T* stress, double epsilon, T* artificial) {
   for (int i = 0; i < dim; ++i) {
     T radius = 0.0;
     for (int j = 0; j < dim; ++j) {
-      m.a[i][j] = stress[symmetric_index(std::min(i, j), std::max(i, j))];
+      m.a[i][j] = stress[in_plane_index<S>(std::min(i, j), std::max(i, j))];
       if (i != j) radius += abs(m.a[i][j]);
     }
     bound = max(bound, T(m.a[i][i] + radius));
@@ -81,7 +81,7 @@ void artificial_stress(const T* stress, double epsilon, T* artificial) {
     for (int j = i; j < dim; ++j) {
       T sum = 0.0;
       for (int k = 0; k < dim; ++k) sum -= epsilon * max(m.a[k][k], T(0.0)) * axes.a[i][k] * axes.a[j][k];
-      artificial[symmetric_index(i, j)] = sum;
+      artificial[in_plane_index<S>(i, j)] = sum;
     }
 }
 

@@ -5,16 +5,16 @@
 
 namespace stirsph {
 
-/// A row-major N x N matrix of doubles or lanes.
-template <class T, int N>
+/// A row-major M x N matrix of doubles or lanes; square unless N is given.
+template <class T, int M, int N = M>
 struct LaneMatrix {
-  T a[N][N];
+  T a[M][N];
 };
 
-template <class T, int N>
-LaneMatrix<T, N> multiply(const LaneMatrix<T, N>& a, const LaneMatrix<T, N>& b) {
-  LaneMatrix<T, N> c;
-  for (int i = 0; i < N; ++i)
+template <class T, int M, int N>
+LaneMatrix<T, M, N> multiply(const LaneMatrix<T, M, N>& a, const LaneMatrix<T, N>& b) {
+  LaneMatrix<T, M, N> c;
+  for (int i = 0; i < M; ++i)
     for (int j = 0; j < N; ++j) {
       T sum = a.a[i][0] * b.a[0][j];
       for (int k = 1; k < N; ++k) sum += a.a[i][k] * b.a[k][j];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "mechanics/mechanics_in.hpp"
 
@@ -10,7 +11,7 @@ namespace stirsph {
 
 template <class S>
 MechanicsIn<S>::MechanicsIn(MechanicsSettings settings, std::vector<Material> materials)
-    : Mechanics(std::move(settings), std::move(materials)) {
+    : Mechanics(std::move(settings), std::move(materials)), inertia_(inertia_of(settings_, across<S> > 0)) {
   for (Material& material : materials_) {
     material.youngs_modulus *= settings_.elastic_scale;
     constants_.push_back(
@@ -51,7 +52,12 @@ void MechanicsIn<S>::initialise(ParticleSet& particles) const {
 template <class S>
 double MechanicsIn<S>::wave_speed() const {
   double fastest = 0;
-  for (const Material& m : materials_) fastest = std::max(fastest, m.sound_speed());
+  for (const Material& m : materials_) {
+    fastest = std::max(fastest, m.sound_speed());
+    // Swirl travels as a shear wave, the faster the lighter it is.
+    if (inertia_.directional())
+      fastest = std::max(fastest, std::sqrt(m.shear_modulus() / (m.density * inertia_.swirl_ratio)));
+  }
   return fastest / std::sqrt(settings_.density_scale);
 }
 
@@ -92,6 +98,9 @@ void fill_records(const std::vector<RecordColumn>& columns, std::size_t begin, s
   }
 }
 
+/// Radius of a ring, kept away from zero at the axis; negative for a mirror image.
+double ring_radius(double r, const Inertia& inertia) { return std::copysign(std::max(std::abs(r), inertia.core), r); }
+
 }  // namespace
 
 template <class S>
@@ -109,48 +118,89 @@ void MechanicsIn<S>::pack_gradient_records(const ParticleSet& particles, std::si
     if constexpr (VariableH) put(Record::h, field::smoothing_length, 0);
     records_.resize(particles.capacity() * Record::size);
     fill_records(columns, first, last, Record::size, records_.data());
+    if constexpr (across < S >> 0)  // the section of the ring, and its angular velocity
+      for (std::size_t i = first; i < last; ++i) {
+        double* const record = records_.data() + i * Record::size;
+        const double radius = ring_radius(record[Record::x], inertia_);
+        record[Record::v + 1] /= radius;
+        record[Record::volume] /= 2 * std::numbers::pi * std::abs(radius);
+      }
   };
   settings_.variable_h ? pack.template operator()<true>() : pack.template operator()<false>();
 }
 
 template <class S>
 void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles, std::size_t first, std::size_t last) {
-  const auto pack = [&]<bool VariableH, bool ArtificialStress, bool Full>() {
-    using Record = MomentumRecord<S, VariableH, ArtificialStress, Full>;
+  const auto pack = [&]<bool VariableH, bool ArtificialStress, bool Full, bool OwnVelocity>() {
+    using Record = MomentumRecord<S, VariableH, ArtificialStress, Full, OwnVelocity>;
     std::vector<RecordColumn> columns;
     const auto put = [&](int slot, const FieldInfo& info, int c) {
       columns.push_back({slot, particles.component(info, c).data()});
     };
     const auto put_tensor = [&](int slot, const FieldInfo& info) {
       for (int i = 0; i < S::dim; ++i)
-        for (int j = i; j < S::dim; ++j) put(slot + tensor_slot<S>(i, j), info, symmetric_index(i, j));
+        for (int j = i; j < S::dim; ++j) put(slot + tensor_slot<S>(i, j), info, in_plane_index<S>(i, j));
     };
     for (int d = 0; d < S::dim; ++d) put(Record::x + d, field::position, d);
     for (int d = 0; d < S::velocity_components; ++d) put(Record::v + d, field::velocity, d);
     put(Record::volume, field::volume, 0);
     if constexpr (Full)
-      for (int c = 0; c < S::dim * S::dim; ++c) put(Record::stress + c, field::corrected_stress, c);
+      for (int c = 0; c < S::velocity_components * S::dim; ++c) put(Record::stress + c, field::corrected_stress, c);
     else
       put_tensor(Record::stress, field::stress);
+    if constexpr (across < S >> 0 && !Full)
+      for (int b = 0; b < S::dim; ++b)
+        put(Record::stress + stress_slot<S, Full>(1, b), field::stress,
+            symmetric_index(std::min(1, S::axes[b]), std::max(1, S::axes[b])));
     if constexpr (ArtificialStress) put_tensor(Record::artificial, field::artificial_stress);
     if constexpr (VariableH) put(Record::h, field::smoothing_length, 0);
     records_.resize(particles.capacity() * Record::size);
     fill_records(columns, first, last, Record::size, records_.data());
 
-    if (settings_.viscosity_alpha > 0 || settings_.viscosity_beta > 0) {
+    if constexpr (across < S >> 0)  // the ring's section, its angular velocity, and the stresses that go with both
+      for (std::size_t i = first; i < last; ++i) {
+        double* const record = records_.data() + i * Record::size;
+        const double radius = ring_radius(record[Record::x], inertia_);
+        record[Record::v + 1] /= radius;
+        record[Record::volume] /= 2 * std::numbers::pi * std::abs(radius);
+        for (int c = 0; c < S::velocity_components; ++c)
+          for (int b = 0; b < S::dim; ++b) {
+            if (!Full && plane_index<S>(c) > b) continue;  // the same component again
+            record[Record::stress + stress_slot<S, Full>(c, b)] *=
+                2 * std::numbers::pi * radius * (c == 1 ? radius : 1.0);
+          }
+        if constexpr (ArtificialStress)
+          for (int c = 0; c < Record::tensor; ++c) record[Record::artificial + c] *= 2 * std::numbers::pi * radius;
+      }
+    if constexpr (OwnVelocity)
+      for (std::size_t i = first; i < last; ++i) {
+        double* const record = records_.data() + i * Record::size;
+        const Vec3 x{record[Record::x], record[Record::x + 1], 0};
+        const Vec3 v{record[Record::v], record[Record::v + 1], record[Record::v + 2]};
+        const double spin = inertia_.spin(x, v);
+        record[Record::own] = v.x + spin * x.y;
+        record[Record::own + 1] = v.y - spin * x.x;
+        record[Record::own + 2] = v.z;
+      }
+    if (viscous()) {
       std::vector<double> sound_speed;
       for (const Material& m : materials_) sound_speed.push_back(m.sound_speed() / std::sqrt(settings_.density_scale));
-      const auto material = particles[field::material], mass = particles[field::mass];
+      const auto material = particles[field::material], mass = particles[field::mass],
+                 volume = particles[field::volume];
       for (std::size_t i = first; i < std::min(last, particles.total()); ++i) {
         double* const record = records_.data() + i * Record::size;
-        record[Record::density] = settings_.density_scale * mass[i] / record[Record::volume];
+        record[Record::density] = settings_.density_scale * mass[i] / volume[i];
         record[Record::impedance] = record[Record::density] * sound_speed[static_cast<std::size_t>(material[i])];
       }
     }
   };
   const auto with_h = [&]<bool ArtificialStress, bool Full>() {
-    settings_.variable_h ? pack.template operator()<true, ArtificialStress, Full>()
-                         : pack.template operator()<false, ArtificialStress, Full>();
+    if constexpr (S::dim == 3)
+      if (viscosity_has_own_velocity())
+        return settings_.variable_h ? pack.template operator()<true, ArtificialStress, Full, true>()
+                                    : pack.template operator()<false, ArtificialStress, Full, true>();
+    settings_.variable_h ? pack.template operator()<true, ArtificialStress, Full, false>()
+                         : pack.template operator()<false, ArtificialStress, Full, false>();
   };
   const bool artificial = settings_.artificial_stress > 0;
   if (settings_.gradient_correction == GradientCorrection::Full)
@@ -198,12 +248,47 @@ void MechanicsIn<S>::update_stress(ParticleSet& particles, const PairList& pairs
   active_.complete();
 }
 
+/// Turns what the sweep has summed into the forces on rings: the torque into the force along theta, and the pull of the
+/// hoop stress to the axis added.
+template <class S>
+void MechanicsIn<S>::add_hoop_stress(const ParticleSet& particles, double* const* force) const {
+  const auto r = particles.component(field::position, 0), volume = particles[field::volume];
+  const auto hoop = particles.component(field::stress, 1);
+  for (std::size_t i = 0; i < particles.owned(); ++i) {
+    const double radius = ring_radius(r[i], inertia_);
+    force[0][i] -= volume[i] * hoop[i] / radius;
+    force[1][i] /= radius;
+  }
+}
+
+template <class S>
+void MechanicsIn<S>::divide_by_inertia(const ParticleSet& particles, double* const* force) const {
+  const auto mass = particles[field::mass];
+  if (S::dim == 3 && inertia_.directional()) {
+    for (std::size_t i = 0; i < particles.owned(); ++i) {
+      const Vec3 a = inertia_.acceleration(particles.vector_at(field::position, i),
+                                           Vec3{force[0][i], force[1][i], force[2][i]} / mass[i]);
+      for (int d = 0; d < 3; ++d) force[d][i] = a[d];
+    }
+    return;
+  }
+  for (int d = 0; d < S::velocity_components; ++d) {
+    const double scale = plane_index<S>(d) < 0 ? inertia_.swirl_scale() : inertia_.scale;
+    for (std::size_t i = 0; i < particles.owned(); ++i) force[d][i] /= mass[i] * scale;
+  }
+  if constexpr (across < S >> 0) {
+    const auto r = particles.component(field::position, 0);
+    for (std::size_t i = 0; i < particles.owned(); ++i)
+      if (r[i] < inertia_.axis_reach) force[0][i] /= inertia_.radial_factor(r[i]);
+  }
+}
+
 template <class S>
 void MechanicsIn<S>::update_acceleration(ParticleSet& particles, const PairList& pairs, double dt,
                                          const Arrival& halo) {
   pack_momentum_records(particles, 0, particles.owned());
-  std::array<double*, S::dim> force;
-  for (int d = 0; d < S::dim; ++d) {
+  std::array<double*, S::velocity_components> force;
+  for (int d = 0; d < S::velocity_components; ++d) {
     const auto component = particles.component(field::acceleration, d);
     std::fill(component.begin(), component.end(), 0.0);
     force[d] = component.data();
@@ -223,10 +308,9 @@ void MechanicsIn<S>::update_acceleration(ParticleSet& particles, const PairList&
         sweep_momentum(first, last, constants, force.data(), dissipation_.data(), artificial_power_.data());
       });
   active_.expire();
-  const auto mass = particles[field::mass];
-  for (int d = 0; d < S::dim; ++d)
-    for (std::size_t i = 0; i < particles.owned(); ++i) force[d][i] /= mass[i] * settings_.density_scale;
-  if (settings_.viscosity_alpha > 0 || settings_.viscosity_beta > 0)
+  if constexpr (across < S >> 0) add_hoop_stress(particles, force.data());
+  divide_by_inertia(particles, force.data());
+  if (viscous())
     for (std::size_t i = 0; i < particles.owned(); ++i) ledger_.viscous += dissipation_[i] * dt;
   if (artificial)
     for (std::size_t i = 0; i < particles.owned(); ++i) ledger_.artificial += artificial_power_[i] * dt;

@@ -51,6 +51,10 @@ class Mechanics {
   virtual void update_acceleration(
       ParticleSet& particles, const PairList& pairs, double dt, const Arrival& halo = [] {}) = 0;
 
+  /// From now on, another scaling of the mass. Velocities stay, momentum and kinetic energy do not.
+  virtual void set_density_scale(double scale) = 0;
+  virtual const Inertia& inertia() const = 0;
+
   /// Largest wave speed [m/s] with density and elastic scaling.
   virtual double wave_speed() const = 0;
   /// Smallest smoothing length on this rank [m]; infinity without particles.

@@ -17,6 +17,9 @@ class MechanicsIn final : public Mechanics {
  public:
   MechanicsIn(MechanicsSettings settings, std::vector<Material> materials);
 
+  void set_density_scale(double scale) override { inertia_.scale = settings_.density_scale = scale; }
+  const Inertia& inertia() const override { return inertia_; }
+
   void add_fields(ParticleSet& particles) const override;
   void initialise(ParticleSet& particles) const override;
   void update_stress(ParticleSet& particles, const PairList& pairs, double dt, const Arrival& halo) override;
@@ -36,14 +39,27 @@ class MechanicsIn final : public Mechanics {
                       GradientBlock<S>& block);
   void sweep_momentum(std::size_t first, std::size_t last, const MomentumConstants& constants, double* const* force,
                       double* dissipation, double* artificial_power);
+  /// The same with the viscosity of velocities without their swirl (three dimensions).
+  void sweep_momentum_without_swirl(std::size_t first, std::size_t last, const MomentumConstants& constants,
+                                    double* const* force, double* dissipation, double* artificial_power);
   void update_block(ParticleSet& particles, const GradientBlock<S>& block, std::size_t first, double dt);
 
   double smoothing_length() const { return settings_.h_over_dx * settings_.spacing; }
 
+  /// The viscosity of this space needs to be told which velocity it sees.
+  bool viscosity_has_own_velocity() const { return S::dim == 3 && settings_.viscosity_without_swirl && viscous(); }
+  void add_hoop_stress(const ParticleSet& particles, double* const* force) const;
+  void divide_by_inertia(const ParticleSet& particles, double* const* force) const;
+  bool viscous() const { return settings_.viscosity_alpha > 0 || settings_.viscosity_beta > 0; }
+  Inertia inertia_;
   std::vector<MaterialConstants> constants_;      ///< per material
   AlignedVector records_;                         ///< neighbours packed for the sweep at hand
   ActivePairs active_;                            ///< from update_stress to the update_acceleration that follows
   AlignedVector dissipation_, artificial_power_;  ///< W per particle
 };
+
+template <>
+void MechanicsIn<Cartesian3>::sweep_momentum_without_swirl(std::size_t, std::size_t, const MomentumConstants&,
+                                                           double* const*, double*, double*);
 
 }  // namespace stirsph

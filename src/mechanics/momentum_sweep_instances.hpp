@@ -8,6 +8,9 @@ namespace stirsph {
 template <class S>
 void MechanicsIn<S>::sweep_momentum(std::size_t first, std::size_t last, const MomentumConstants& constants,
                                     double* const* force, double* dissipation, double* artificial_power) {
+  if constexpr (S::dim == 3)
+    if (viscosity_has_own_velocity())
+      return sweep_momentum_without_swirl(first, last, constants, force, dissipation, artificial_power);
   const auto run = [&]<bool Viscous, bool ArtificialStress, bool VariableH>() {
     std::visit(
         [&]<class K>(const K&) {
@@ -20,8 +23,7 @@ void MechanicsIn<S>::sweep_momentum(std::size_t first, std::size_t last, const M
         },
         settings_.kernel);
   };
-  const bool viscous = settings_.viscosity_alpha > 0 || settings_.viscosity_beta > 0;
-  const int choice = (viscous ? 4 : 0) + (settings_.artificial_stress > 0 ? 2 : 0) + (settings_.variable_h ? 1 : 0);
+  const int choice = (viscous() ? 4 : 0) + (settings_.artificial_stress > 0 ? 2 : 0) + (settings_.variable_h ? 1 : 0);
   switch (choice) {
     case 0:
       return run.template operator()<false, false, false>();

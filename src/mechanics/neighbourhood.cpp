@@ -66,7 +66,7 @@ namespace {
 template <class T>
 struct LargestSquares {
   T deviation = 0.0, relative_speed = 0.0, displacement = 0.0, speed = 0.0, acceleration = 0.0, extent = 0.0,
-    speed_sum = 0.0;
+    speed_sum = 0.0, turning = 0.0;
 
   void raise(T& largest, const T& value) { largest = select(value > largest, value, largest); }
   void visit(int dim, const std::array<T, 3>& x, const std::array<T, 3>& moved, const std::array<T, 3>& smooth,
@@ -89,18 +89,25 @@ struct LargestSquares {
     raise(extent, squares[5]);
     speed_sum += squares[3];
   }
+  /// Of the centripetal acceleration on a circle around the axis.
+  void visit_circle(const std::array<T, 3>& x, const std::array<T, 3>& v, double core) {
+    const T moment = x[0] * v[1] - x[1] * v[0], r2 = x[0] * x[0] + x[1] * x[1], least = core * core;
+    const T spin = moment / select(r2 > least, r2, least);
+    raise(turning, spin * spin * (v[0] * v[0] + v[1] * v[1]));
+  }
 };
 
 }  // namespace
 
-ListMotion Neighbourhood::motion(const ParticleSet& particles) const {
+ListMotion Neighbourhood::motion(const ParticleSet& particles, const Inertia& inertia) const {
+  const bool circles = domain_.dim == 3 && !inertia.swirl;
   std::array<const double*, 3> x{}, built{}, smooth{}, v{}, a{};
   for (int d = 0; d < domain_.dim; ++d) {
     x[d] = particles.component(field::position, d).data();
     built[d] = particles.component(field::position_at_list_build, d).data();
     smooth[d] = particles.component(field::smooth_velocity, d).data();
-    v[d] = particles.component(field::velocity, d).data();
-    a[d] = particles.component(field::acceleration, d).data();
+    v[d] = particles.component(field::velocity, particles.layout().axes[d]).data();
+    a[d] = particles.component(field::acceleration, particles.layout().axes[d]).data();
   }
   const auto visit = [&]<class T>(LargestSquares<T>& largest, std::size_t i, auto&& load) {
     std::array<T, 3> x_here{}, moved{}, smooth_here{}, v_here{}, a_here{};
@@ -112,6 +119,7 @@ ListMotion Neighbourhood::motion(const ParticleSet& particles) const {
       a_here[d] = load(a[d] + i);
     }
     largest.visit(domain_.dim, x_here, moved, smooth_here, v_here, a_here, age_);
+    if (circles) largest.visit_circle(x_here, v_here, inertia.core);
   };
   LargestSquares<Lanes> wide;
   LargestSquares<double> all;
@@ -125,7 +133,7 @@ ListMotion Neighbourhood::motion(const ParticleSet& particles) const {
   motion.relative_speed = largest(wide.relative_speed, all.relative_speed);
   motion.displacement = largest(wide.displacement, all.displacement);
   motion.speed = largest(wide.speed, all.speed);
-  motion.acceleration = largest(wide.acceleration, all.acceleration);
+  motion.acceleration = largest(wide.acceleration, all.acceleration) + largest(wide.turning, all.turning);
   motion.extent = largest(wide.extent, all.extent);
   motion.finite = std::isfinite(stdx::reduce(wide.speed_sum) + all.speed_sum);
   return motion;
@@ -138,8 +146,8 @@ bool Neighbourhood::holds(const ListMotion& motion, double dt) const {
   const double displacement = motion.displacement + dt * (motion.speed + kick);
   if (reach_ - 2 * displacement >= support) return true;
   // Particles are put back into a periodic domain when the list is built and must not leave it far: a rigid body there
-  // may end at the border.
-  if (domain_.any_periodic()) return false;
+  // may end at the border. At an axis of symmetry the smooth motion says nothing of the images.
+  if (domain_.any_images()) return false;
   const double squeezed = 1 - 2 * (age_ + dt) * compression_;
   return squeezed > 0 && reach_ * std::sqrt(squeezed) - 2 * deviation >= support &&
          distance_ - 2 * displacement >= support;

@@ -9,6 +9,7 @@
 #include "parallel/decomposition.hpp"
 #include "parallel/domain.hpp"
 #include "parallel/halo_exchange.hpp"
+#include "particles/inertia.hpp"
 #include "particles/particle_set.hpp"
 
 namespace stirsph {
@@ -42,8 +43,8 @@ class Neighbourhood {
 
   /// The particles have moved for another dt [s].
   void advance(double dt) { age_ += dt; }
-  /// Of this rank's particles.
-  ListMotion motion(const ParticleSet& particles) const;
+  /// Of this rank's particles. `inertia`: says whether they move along circles, which counts as an acceleration.
+  ListMotion motion(const ParticleSet& particles, const Inertia& inertia) const;
   /// Whether no pair outside the list can come within the support until the end of a next step of dt [s], given the
   /// largest values over all ranks. Two particles a distance L > reach apart at the build are after the time t at least
   /// L sqrt(1 - 2 c t) - 2 w apart, c the compression of the smooth motion and w the largest deviation from it; beyond

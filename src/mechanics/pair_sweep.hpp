@@ -8,6 +8,12 @@
 /// the place of sigma: still antisymmetric, and the adjoint of the corrected gradient. q_ij is Monaghan's viscosity, R
 /// the artificial stress of Gray, Monaghan & Swift (2001), f = W(r)/W(dx), n = 4.
 ///
+/// In the axisymmetric space the sums run over the half-plane (kernel of two dimensions, V_j = the ring's section A_j)
+/// and over generalised quantities: velocities v_r, omega = v_theta/r, v_z and the stresses 2 pi r sigma_r., 2 pi r^2
+/// sigma_theta., 2 pi r sigma_z.. The same antisymmetric sum then gives the force of a whole ring and, for omega, its
+/// torque: the adjoint of the gradient of omega (a gradient of v_theta would not be, and feeds energy into the swirl).
+/// What is left of the divergence in a cylindrical frame, the hoop stress, is added by the caller.
+///
 /// Neighbours are packed into one record each, so that a neighbour costs one or two cache lines. Candidates outside the
 /// support, the particle itself and padding lanes give exact zeros: there is no branch in the loop.
 ///
@@ -15,6 +21,10 @@
 /// other side needs, from one side where both particles are this rank's.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -113,7 +123,7 @@ template <class S>
 struct GradientBlock {
   static constexpr std::size_t clusters = 32;  ///< results of this many clusters stay in the first-level cache
   static constexpr std::size_t size = clusters * cluster_size;
-  alignas(64) double gradient[S::dim * S::dim][size];
+  alignas(64) double gradient[S::velocity_components * S::dim][size];  ///< d v_a / d x_b at a * dim + b
   alignas(64) double correction[S::dim * S::dim][size];  ///< M^-1, identity where it is singular; set when asked for
   alignas(64) double diffusion[size];  ///< sum of V_j (e_i - e_j) W'/r; W' < 0, so it pulls e_i towards its neighbours
 };
@@ -124,14 +134,27 @@ struct GradientRecord {
   static constexpr int size = padded_record(h + (VariableH ? 1 : 0));
 };
 
-template <class S, bool VariableH, bool ArtificialStress, bool Full>
+/// Velocity components across the plane of the positions: the swirl of the axisymmetric space, in the middle of the
+/// other two.
+template <class S>
+inline constexpr int across = S::velocity_components - S::dim;
+
+/// The component of a position in the direction of the velocity component c; -1 for one across.
+template <class S>
+constexpr int plane_index(int c) {
+  for (int d = 0; d < S::dim; ++d)
+    if (S::axes[d] == c) return d;
+  return -1;
+}
+
+template <class S, bool VariableH, bool ArtificialStress, bool Full, bool OwnVelocity = false>
 struct MomentumRecord {
   static constexpr int tensor = S::dim * (S::dim + 1) / 2;  ///< in-space components of a symmetric tensor
-  static constexpr int stress_size = Full ? S::dim * S::dim : tensor;
+  static constexpr int stress_size = Full ? S::velocity_components * S::dim : tensor + across<S> * S::dim;
   static constexpr int x = 0, v = S::dim, volume = v + S::velocity_components, impedance = volume + 1,
                        density = impedance + 1, stress = density + 1, artificial = stress + stress_size,
-                       h = artificial + (ArtificialStress ? tensor : 0);
-  static constexpr int size = padded_record(h + (VariableH ? 1 : 0));
+                       h = artificial + (ArtificialStress ? tensor : 0), own = h + (VariableH ? 1 : 0);
+  static constexpr int size = padded_record(own + (OwnVelocity ? S::velocity_components : 0));
 };
 
 /// In-space components (i <= j < dim) of a symmetric tensor, in storage order.
@@ -139,6 +162,14 @@ template <class S>
 constexpr int tensor_slot(int i, int j) {
   if constexpr (S::dim == 3) return symmetric_index(i, j);
   return i == j ? i : 2;
+}
+
+/// Where a record keeps the stress that acts in the direction of velocity component c on a face across direction b.
+template <class S, bool Full>
+constexpr int stress_slot(int c, int b) {
+  if constexpr (Full) return c * S::dim + b;
+  const int a = plane_index<S>(c);
+  return a < 0 ? S::dim * (S::dim + 1) / 2 + b : tensor_slot<S>(std::min(a, b), std::max(a, b));
 }
 
 template <class S, class Record>
@@ -152,22 +183,25 @@ void load_rows(const AlignedVector& records, std::size_t first, int offset, int 
 template <class S, class K, bool Corrected, bool Diffusion, bool VariableH, bool KeepCorrection = false>
 long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs, std::size_t first, std::size_t last,
                              std::size_t owned, double smoothing, GradientBlock<S>& block, ActivePairs& active) {
-  constexpr int dim = S::dim;
+  constexpr int dim = S::dim, components = S::velocity_components;
   using Record = GradientRecord<S, VariableH>;
   const double sigma = K::normalisation(dim);
   long fallbacks = 0;
   for (std::size_t cluster = first; cluster < last; ++cluster) {
     for (std::size_t part = 0; part < cluster_size; part += lanes) {
       const std::size_t i0 = cluster * cluster_size + part;
-      Lanes xi[dim], vi[dim], ei{}, hi{};
+      Lanes xi[dim], vi[components], ei{}, hi{};
       load_rows<S, Record>(records, i0, Record::x, dim, xi);
-      load_rows<S, Record>(records, i0, Record::v, dim, vi);
+      load_rows<S, Record>(records, i0, Record::v, components, vi);
       if constexpr (Diffusion) load_rows<S, Record>(records, i0, Record::strain, 1, &ei);
       if constexpr (VariableH) load_rows<S, Record>(records, i0, Record::h, 1, &hi);
-      LaneMatrix<Lanes, dim> gradient, moment;
+      LaneMatrix<Lanes, components, dim> gradient;
+      LaneMatrix<Lanes, dim> moment;
       Lanes diffusion = 0.0;
-      for (int a = 0; a < dim; ++a)
-        for (int b = 0; b < dim; ++b) gradient.a[a][b] = moment.a[a][b] = 0.0;
+      for (int b = 0; b < dim; ++b) {
+        for (int a = 0; a < components; ++a) gradient.a[a][b] = 0.0;
+        for (int a = 0; a < dim; ++a) moment.a[a][b] = 0.0;
+      }
       const double inverse_h = 1 / smoothing;
       const double constant = sigma * std::pow(inverse_h, dim + 1);
 
@@ -193,7 +227,7 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
         }
         for (int b = 0; b < dim; ++b) {
           const Lanes g = weight * d[b];
-          for (int a = 0; a < dim; ++a) gradient.a[a][b] += g * (other[Record::v + a] - vi[a]);
+          for (int a = 0; a < components; ++a) gradient.a[a][b] += g * (other[Record::v + a] - vi[a]);
           if constexpr (Corrected)
             for (int a = 0; a <= b; ++a) moment.a[a][b] -= g * d[a];
         }
@@ -226,20 +260,20 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
         const auto sound = trace > Lanes(0.05 * dim) && det > volume && norm2 * cofactor_norm2 < 1e4 * det * det;
         if (stdx::popcount(sound) != static_cast<int>(lanes))
           for (std::size_t lane = 0; lane < lanes; ++lane) fallbacks += !sound[lane] && i0 + lane < owned;
-        const LaneMatrix<Lanes, dim> corrected = multiply(gradient, cofactors);
-        for (int a = 0; a < dim; ++a)
-          for (int b = 0; b < dim; ++b) {
-            stdx::where(sound, gradient.a[a][b]) = corrected.a[a][b] / det;
-            if constexpr (KeepCorrection) {
+        const LaneMatrix<Lanes, components, dim> corrected = multiply(gradient, cofactors);
+        for (int a = 0; a < components; ++a)
+          for (int b = 0; b < dim; ++b) stdx::where(sound, gradient.a[a][b]) = corrected.a[a][b] / det;
+        if constexpr (KeepCorrection)
+          for (int a = 0; a < dim; ++a)
+            for (int b = 0; b < dim; ++b) {
               Lanes inverse = a == b ? 1.0 : 0.0;
               stdx::where(sound, inverse) = cofactors.a[a][b] / det;
               inverse.copy_to(&block.correction[a * dim + b][(cluster - first) * cluster_size + part],
                               stdx::vector_aligned);
             }
-          }
       }
       const std::size_t at = (cluster - first) * cluster_size + part;
-      for (int a = 0; a < dim; ++a)
+      for (int a = 0; a < components; ++a)
         for (int b = 0; b < dim; ++b) gradient.a[a][b].copy_to(&block.gradient[a * dim + b][at], stdx::vector_aligned);
       if constexpr (Diffusion) diffusion.copy_to(&block.diffusion[at], stdx::vector_aligned);
     }
@@ -257,35 +291,37 @@ struct MomentumConstants {
 /// Second sweep over clusters [first, last): adds forces [N] to `force`, all particles of the rank, and sets viscous
 /// dissipation and the power taken out by the artificial stress [W] per particle: where a pair is visited once, the
 /// earlier particle has the pair's whole power. Halo copies' forces are left to their owners.
-template <class S, class K, bool Viscous, bool ArtificialStress, bool VariableH, bool Full>
+/// `OwnVelocity`: the viscosity sees another velocity than the true one (that without the swirl).
+template <class S, class K, bool Viscous, bool ArtificialStress, bool VariableH, bool Full, bool OwnVelocity = false>
 void momentum_sweep(const AlignedVector& records, const ActivePairs& active, std::size_t first, std::size_t last,
                     const MomentumConstants& constants, double* const* force, double* dissipation,
                     double* artificial_power) {
-  constexpr int dim = S::dim;
-  using Record = MomentumRecord<S, VariableH, ArtificialStress, Full>;
+  constexpr int dim = S::dim, components = S::velocity_components;
+  using Record = MomentumRecord<S, VariableH, ArtificialStress, Full, OwnVelocity>;
   constexpr int tensor = Record::tensor, stress_size = Record::stress_size;
-  const auto slot = [](int a, int b) { return Full ? a * dim + b : tensor_slot<S>(a < b ? a : b, a < b ? b : a); };
+  [[maybe_unused]] constexpr std::array<int, 3> axis = S::axes;
   const double sigma = K::normalisation(dim), inverse_h = 1 / constants.smoothing;
   const double constant = sigma * std::pow(inverse_h, dim + 1);
   const double at_spacing = 1 / K::value(constants.spacing * inverse_h);
-  alignas(64) double shares[dim][lanes * lanes];  // forces of `lanes` pairs, for the sums over lanes
-  alignas(64) double sums[dim][lanes];
+  alignas(64) double shares[components][lanes * lanes];  // forces of `lanes` pairs, for the sums over lanes
+  alignas(64) double sums[components][lanes];
   for (std::size_t cluster = first; cluster < last; ++cluster) {
     for (std::size_t part = 0; part < cluster_size; part += lanes) {
       const std::size_t i0 = cluster * cluster_size + part;
-      Lanes xi[dim], vi[dim], si[stress_size], ri[tensor], volume, impedance{}, density{}, hi{};
+      Lanes xi[dim], vi[components], wi[components], si[stress_size], ri[tensor], volume, impedance{}, density{}, hi{};
       load_rows<S, Record>(records, i0, Record::x, dim, xi);
       load_rows<S, Record>(records, i0, Record::stress, stress_size, si);
       load_rows<S, Record>(records, i0, Record::volume, 1, &volume);
-      if constexpr (Viscous || ArtificialStress) load_rows<S, Record>(records, i0, Record::v, dim, vi);
+      if constexpr (Viscous || ArtificialStress) load_rows<S, Record>(records, i0, Record::v, components, vi);
+      if constexpr (OwnVelocity) load_rows<S, Record>(records, i0, Record::own, components, wi);
       if constexpr (Viscous) {
         load_rows<S, Record>(records, i0, Record::impedance, 1, &impedance);
         load_rows<S, Record>(records, i0, Record::density, 1, &density);
       }
       if constexpr (ArtificialStress) load_rows<S, Record>(records, i0, Record::artificial, tensor, ri);
       if constexpr (VariableH) load_rows<S, Record>(records, i0, Record::h, 1, &hi);
-      Lanes f[dim], dissipated = 0.0, absorbed = 0.0;
-      for (int a = 0; a < dim; ++a) f[a] = 0.0;
+      Lanes f[components], dissipated = 0.0, absorbed = 0.0;
+      for (int a = 0; a < components; ++a) f[a] = 0.0;
 
       // Adds the force of j on i to f and returns it in `share`, all but the factor V_i.
       const auto visit = [&](std::int32_t j, Lanes * share) __attribute__((always_inline)) {
@@ -317,31 +353,39 @@ void momentum_sweep(const AlignedVector& records, const ActivePairs& active, std
           for (int a = 0; a < dim; ++a)
             for (int b = 0; b < dim; ++b) {
               const Lanes& component = extra[tensor_slot<S>(a < b ? a : b, a < b ? b : a)];
-              if (Full || a <= b) stress[slot(a, b)] += component;
-              power += component * d[b] * (vi[a] - other[Record::v + a]);
+              if (Full || a <= b) stress[stress_slot<S, Full>(axis[a], b)] += component;
+              power += component * d[b] * (vi[axis[a]] - other[Record::v + axis[a]]);
             }
           absorbed -= weight * power;
         }
         if constexpr (Viscous) {
           Lanes approach = 0.0;
-          for (int a = 0; a < dim; ++a) approach += (vi[a] - other[Record::v + a]) * d[a];
+          for (int a = 0; a < dim; ++a)
+            approach += OwnVelocity ? Lanes((wi[axis[a]] - other[Record::own + axis[a]]) * d[a])
+                                    : Lanes((vi[axis[a]] - other[Record::v + axis[a]]) * d[a]);
           approach = min(approach, Lanes(0.0));
           const Lanes mu = h * approach / (r2 + 0.01 * h * h);
-          const Lanes pressure = 0.5 * mu *
-                                 (constants.beta * (density + other[Record::density]) * mu -
-                                  constants.alpha * (impedance + other[Record::impedance]));
-          for (int a = 0; a < dim; ++a) stress[slot(a, a)] -= pressure;
+          Lanes pressure = 0.5 * mu *
+                           (constants.beta * (density + other[Record::density]) * mu -
+                            constants.alpha * (impedance + other[Record::impedance]));
+          if constexpr (across < S >> 0)  // the mean circumference of the two rings
+            pressure *= std::numbers::pi * (abs(xi[0]) + std::abs(other[Record::x]));
+          for (int a = 0; a < dim; ++a) stress[stress_slot<S, Full>(axis[a], a)] -= pressure;
+          if constexpr (OwnVelocity) {  // what it takes is decided by the whole velocity
+            approach = 0.0;
+            for (int a = 0; a < dim; ++a) approach += (vi[axis[a]] - other[Record::v + axis[a]]) * d[a];
+          }
           dissipated += pressure * weight * approach;
         }
-        for (int a = 0; a < dim; ++a) {
-          Lanes traction = stress[slot(a, 0)] * d[0];
-          for (int b = 1; b < dim; ++b) traction += stress[slot(a, b)] * d[b];
+        for (int a = 0; a < components; ++a) {
+          Lanes traction = stress[stress_slot<S, Full>(a, 0)] * d[0];
+          for (int b = 1; b < dim; ++b) traction += stress[stress_slot<S, Full>(a, b)] * d[b];
           share[a] = weight * traction;
           f[a] += share[a];
         }
       };
 
-      Lanes share[dim];
+      Lanes share[components];
       for (std::size_t j = cluster * cluster_size; j < (cluster + 1) * cluster_size; ++j)
         visit(static_cast<std::int32_t>(j), share);
       const auto [shared, halo] = active.of(cluster, part / lanes);
@@ -353,14 +397,14 @@ void momentum_sweep(const AlignedVector& records, const ActivePairs& active, std
         const std::size_t count = std::min(lanes, shared.size() - begin);
         for (std::size_t k = 0; k < count; ++k) {
           visit(shared[begin + k], share);
-          for (int a = 0; a < dim; ++a) (volume * share[a]).copy_to(&shares[a][k * lanes], stdx::vector_aligned);
+          for (int a = 0; a < components; ++a) (volume * share[a]).copy_to(&shares[a][k * lanes], stdx::vector_aligned);
         }
-        for (int a = 0; a < dim; ++a) sum_rows(shares[a], sums[a]);
+        for (int a = 0; a < components; ++a) sum_rows(shares[a], sums[a]);
         for (std::size_t k = 0; k < count; ++k)
-          for (int a = 0; a < dim; ++a) force[a][shared[begin + k]] -= sums[a][k];
+          for (int a = 0; a < components; ++a) force[a][shared[begin + k]] -= sums[a][k];
       }
 
-      for (int a = 0; a < dim; ++a) {
+      for (int a = 0; a < components; ++a) {
         double* const at = force[a] + i0;
         (Lanes(at, stdx::element_aligned) + f[a] * volume).copy_to(at, stdx::element_aligned);
       }

@@ -126,7 +126,7 @@ std::vector<SmoothMotion::Node> SmoothMotion::measure(const Comm& comm, const Pa
   std::array<const double*, 3> x{}, v{};
   for (int d = 0; d < dim_; ++d) {
     x[d] = particles.component(field::position, d).data();
-    v[d] = particles.component(field::velocity, d).data();
+    v[d] = particles.component(field::velocity, particles.layout().axes[d]).data();
   }
   for (std::size_t i = 0; i < particles.owned(); ++i) {
     std::array<double, 3> position{};

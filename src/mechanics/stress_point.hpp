@@ -20,9 +20,9 @@ namespace stirsph {
 /// four).
 template <class S, class T>
 struct StepDeformation {
-  T rate[S::stress_components];    ///< D [1/s], trace removed
-  T dilatation;                    ///< trace of D [1/s]
-  LaneMatrix<T, S::dim> rotation;  ///< Q
+  T rate[S::stress_components];           ///< D [1/s], trace removed
+  T dilatation;                           ///< trace of D [1/s]
+  LaneMatrix<T, S::tensor_dim> rotation;  ///< Q
 };
 
 /// Velocity gradient with respect to the end positions -> with respect to the middle of the step. With u = v dt,
@@ -40,8 +40,8 @@ LaneMatrix<T, N> to_midstep(const LaneMatrix<T, N>& gradient, double dt) {
 }
 
 template <class S, class T>
-StepDeformation<S, T> step_deformation(const LaneMatrix<T, S::dim>& gradient, double dt) {
-  constexpr int dim = S::dim;
+StepDeformation<S, T> step_deformation(const LaneMatrix<T, S::tensor_dim>& gradient, double dt) {
+  constexpr int dim = S::tensor_dim;
   StepDeformation<S, T> step;
   T trace = gradient.a[0][0];
   for (int i = 1; i < dim; ++i) trace += gradient.a[i][i];
@@ -69,8 +69,8 @@ StepDeformation<S, T> step_deformation(const LaneMatrix<T, S::dim>& gradient, do
 
 /// Q s Q^T of a symmetric tensor.
 template <class S, class T>
-void rotate(T (&s)[S::stress_components], const LaneMatrix<T, S::dim>& q) {
-  constexpr int dim = S::dim;
+void rotate(T (&s)[S::stress_components], const LaneMatrix<T, S::tensor_dim>& q) {
+  constexpr int dim = S::tensor_dim;
   LaneMatrix<T, dim> full, left;
   for (int i = 0; i < dim; ++i)
     for (int j = 0; j < dim; ++j) full.a[i][j] = s[symmetric_index(i < j ? i : j, i < j ? j : i)];

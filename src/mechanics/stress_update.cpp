@@ -44,15 +44,57 @@ struct MaterialFields {
     if (particles.has(field::artificial_stress)) all(field::artificial_stress, extra);
     if (particles.has(field::corrected_stress)) all(field::corrected_stress, corrected);
     if (particles.has(field::heat_input)) heat_input = particles[field::heat_input].data();
+    all(field::position, position);
+    all(field::velocity, velocity);
   }
   std::array<double*, S::stress_components> deviator, stress, extra{};
-  std::array<double*, S::dim * S::dim> corrected{};
+  std::array<double*, S::velocity_components * S::dim> corrected{};
+  std::array<const double*, S::dim> position;
+  std::array<const double*, S::velocity_components> velocity;
   double *strain, *volume, *plastic_strain, *plastic_rate, *flow_stress;
   const double* temperature;
   double* smoothing;
   const double *mass, *material;
   double* heat_input = nullptr;
 };
+
+/// Velocity gradient as a matrix, with respect to the middle of the step, from the sums of the sweep at its end.
+/// Axisymmetric: in the frame r theta z that goes round with the ring, so that a common rotation is none, from the
+/// gradients of v_r, omega and v_z. Three dimensions without inertia of the swirl: particles have moved along circles,
+/// and only what is left of the gradient without their spin tells how the middle of the step differs from its end.
+template <class S>
+LaneMatrix<Lanes, S::tensor_dim> midstep_gradient(const GradientBlock<S>& block, std::size_t at,
+                                                  const MaterialFields<S>& f, std::size_t i, const Inertia& inertia,
+                                                  double dt) {
+  constexpr int dim = S::dim;
+  LaneMatrix<Lanes, S::tensor_dim> gradient;
+  if constexpr (across < S >> 0) {
+    for (auto& row : gradient.a)
+      for (Lanes& value : row) value = 0.0;
+    const Lanes radius = max(load(f.position[0] + i), Lanes(inertia.core));
+    for (int a = 0; a < S::velocity_components; ++a)
+      for (int b = 0; b < dim; ++b)
+        gradient.a[a][S::axes[b]] = load(&block.gradient[a * dim + b][at]) * (a == 1 ? radius : Lanes(1.0));
+    gradient.a[1][1] = load(f.velocity[0] + i) / radius;
+    return to_midstep(gradient, dt);
+  } else {
+    for (int a = 0; a < dim; ++a)
+      for (int b = 0; b < dim; ++b) gradient.a[a][b] = load(&block.gradient[a * dim + b][at]);
+    if constexpr (dim == 3)
+      if (!inertia.swirl) {
+        const Lanes x = load(f.position[0] + i), y = load(f.position[1] + i);
+        const Lanes spin = (x * load(f.velocity[1] + i) - y * load(f.velocity[0] + i)) /
+                           max(Lanes(x * x + y * y), Lanes(inertia.core * inertia.core));
+        gradient.a[0][1] += spin;
+        gradient.a[1][0] -= spin;
+        gradient = to_midstep(gradient, dt);
+        gradient.a[0][1] -= spin;
+        gradient.a[1][0] += spin;
+        return gradient;
+      }
+    return to_midstep(gradient, dt);
+  }
+}
 
 /// The return map of up to a cluster of particles. Returns its iterations.
 template <class S>
@@ -99,10 +141,7 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
         trial_work[parts];
     for (std::size_t p = 0; p < parts; ++p) {
       const std::size_t at = i0 + p * lanes;
-      LaneMatrix<Lanes, dim> gradient;
-      for (int a = 0; a < dim; ++a)
-        for (int b = 0; b < dim; ++b) gradient.a[a][b] = load(&block.gradient[a * dim + b][at - first]);
-      const auto step = step_deformation<S>(to_midstep(gradient, dt), dt);
+      const auto step = step_deformation<S>(midstep_gradient(block, at - first, f, at, inertia_, dt), dt);
       for (int c = 0; c < components; ++c) s[p][c] = load(f.deviator[c] + at);
       const TrialWork<Lanes> work =
           elastic_trial<S>(s[p], turned[p], step, constant(&MaterialConstants::shear, at), dt);
@@ -155,11 +194,11 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
         for (int c = 0; c < components; ++c) store_lanes(tensile[c], f.extra[c] + at, filled);
       }
       if (full)
-        for (int a = 0; a < dim; ++a)
+        for (int a = 0; a < S::velocity_components; ++a)
           for (int b = 0; b < dim; ++b) {
             Lanes sum = 0.0;
             for (int c = 0; c < dim; ++c)
-              sum += total[symmetric_index(std::min(a, c), std::max(a, c))] *
+              sum += total[symmetric_index(std::min(a, S::axes[c]), std::max(a, S::axes[c]))] *
                      load(&block.correction[c * dim + b][at - first]);
             store_lanes(sum, f.corrected[a * dim + b] + at, filled);
           }

@@ -1,4 +1,4 @@
-/// The periodic box, if any. Directions that are not periodic are unbounded.
+/// The periodic box and the axis of symmetry, if any. Directions that are not periodic are unbounded.
 #pragma once
 
 #include <array>
@@ -12,8 +12,11 @@ struct Domain {
   int dim = 3;
   std::array<bool, 3> periodic{};
   Vec3 low, high;  ///< m; used in periodic directions only
+  bool axis =
+      false;  ///< the first coordinate is a distance from an axis: beyond it lie particles turned by half a turn
 
   double length(int d) const { return high[d] - low[d]; }
+  bool any_images() const { return any_periodic() || axis; }
   bool any_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
   /// The image of x inside the box.
   double wrap(double x, int d) const {

@@ -17,13 +17,28 @@ struct Destination {
   CellIndex cell;  ///< the neighbouring cell in the frame of the sending particle
 };
 
-std::vector<Destination> destinations_from(const CellTable& cells, std::int64_t key, int own_rank) {
+/// `own`: also the cells of the own rank; without, only across periodic faces.
+std::vector<Destination> destinations_from(const CellTable& cells, std::int64_t key, int own_rank, bool own) {
   std::vector<Destination> result;
   for (const auto& neighbour : cells.around(cells.decode(key)))
     for (const auto& presence : cells.ranks_in(neighbour.key))
-      if (presence.rank != own_rank || neighbour.image)
+      if (presence.rank != own_rank || neighbour.image || own)
         result.push_back({presence.rank, neighbour.shift, neighbour.index});
   return result;
+}
+
+/// Whether half a turn about the axis z changes the sign of a component, in the frame r theta z.
+bool changes_sign(Shape shape, int component) {
+  switch (shape) {
+    case Shape::Velocity:
+      return component != 2;
+    case Shape::SymmetricTensor:
+      return component >= 4;  // rz and theta z
+    case Shape::Matrix:
+      return (component / 2 == 2) != (component % 2 == 1);  // rows r theta z, columns r z
+    default:
+      return false;
+  }
 }
 
 constexpr int first_tag = 11;
@@ -44,39 +59,46 @@ std::size_t width_of(const std::vector<const Field*>& fields) {
 }  // namespace
 
 std::map<int, HaloCopies> plan_halo(const ParticleSet& particles, const CellTable& cells, double reach, int own_rank) {
-  KeyNumbers numbers;
-  std::vector<std::vector<Destination>> destinations;  // per number
+  std::array<KeyNumbers, 2> numbers;
+  std::array<std::vector<std::vector<Destination>>, 2> destinations;  // per number
   std::map<int, HaloCopies> plan;
   std::array<const double*, 3> position{};
   for (int d = 0; d < cells.domain().dim; ++d) position[d] = particles.component(field::position, d).data();
-  std::vector<std::pair<int, Vec3>> sent_to;
+  std::vector<std::pair<int, Image>> sent_to;
   for (std::size_t i = 0; i < particles.owned(); ++i) {
     Vec3 x;
     for (int d = 0; d < cells.domain().dim; ++d) x[d] = position[d][i];
-    const std::int64_t key = cells.key_of(x);
-    const std::size_t number = numbers.number(key);
-    if (number == destinations.size()) destinations.push_back(destinations_from(cells, key, own_rank));
     sent_to.clear();
-    for (const Destination& to : destinations[number]) {
-      if (cells.distance_to_cell(x, to.cell) > reach) continue;
-      const std::pair<int, Vec3> target{to.rank, to.shift};
-      if (std::find(sent_to.begin(), sent_to.end(), target) != sent_to.end()) continue;
-      sent_to.push_back(target);
-      HaloCopies& copies = plan[to.rank];
-      copies.sent.push_back(static_cast<std::int32_t>(i));
-      copies.shifts.push_back(to.shift);
+    for (const bool turned : {false, true}) {
+      if (turned) {
+        if (!cells.domain().axis || x[0] > reach) break;
+        x[0] = -x[0];
+      }
+      const std::int64_t key = cells.key_of(x);
+      const std::size_t number = numbers[turned].number(key);
+      if (number == destinations[turned].size())
+        destinations[turned].push_back(destinations_from(cells, key, own_rank, turned));
+      for (const Destination& to : destinations[turned][number]) {
+        if (cells.distance_to_cell(x, to.cell) > reach) continue;
+        const std::pair<int, Image> target{to.rank, {to.shift, turned}};
+        if (std::find(sent_to.begin(), sent_to.end(), target) != sent_to.end()) continue;
+        sent_to.push_back(target);
+        HaloCopies& copies = plan[to.rank];
+        copies.sent.push_back(static_cast<std::int32_t>(i));
+        copies.images.push_back(target.second);
+      }
     }
   }
   return plan;
 }
 
 void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double reach) {
-  const bool nobody = comm_.size() == 1 && !cells.domain().any_periodic();
+  const bool nobody = comm_.size() == 1 && !cells.domain().any_images();
   std::map<int, HaloCopies> plan;
   if (!nobody) plan = plan_halo(particles, cells, reach, comm_.rank());
-  bool shifted = false;
+  bool moved = false;
   for (const auto& [rank, copies] : plan)
-    for (const Vec3& shift : copies.shifts) shifted |= shift != Vec3{};
+    for (const Image& image : copies.images) moved |= image != Image{};
 
   std::vector<int> send_counts(comm_.size(), 0), receive_counts(comm_.size(), 0);
   for (const auto& [rank, copies] : plan) send_counts[rank] = static_cast<int>(copies.sent.size());
@@ -91,7 +113,7 @@ void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double 
     Route route;
     route.rank = rank;
     route.sent = std::move(plan[rank].sent);
-    if (shifted) route.shifts = std::move(plan[rank].shifts);
+    if (moved) route.images = std::move(plan[rank].images);
     route.first_received = particles.owned() + received_;
     route.received = receive_counts[rank];
     received_ += route.received;
@@ -134,12 +156,16 @@ void HaloExchange::Channel::start(const std::vector<Route>& routes, const std::v
     const Route& route = routes[k];
     double* write = (route.rank == own_rank_ ? inboxes_ : outboxes_)[k].data();
     for (const Field* field : fields) {
-      const bool is_position = field->info->name == field::position.name && !route.shifts.empty();
+      const bool is_position = field->info->name == field::position.name && !route.images.empty();
       for (std::size_t c = 0; c < field->components.size(); ++c) {
         const AlignedVector& values = field->components[c];
+        const int component = static_cast<int>(c);
         if (is_position)
           for (std::size_t s = 0; s < route.sent.size(); ++s)
-            *write++ = values[route.sent[s]] + route.shifts[s][static_cast<int>(c)];
+            *write++ = route.images[s].coordinate(values[route.sent[s]], component);
+        else if (!route.images.empty() && changes_sign(field->info->shape, component))
+          for (std::size_t s = 0; s < route.sent.size(); ++s)
+            *write++ = route.images[s].turned ? -values[route.sent[s]] : values[route.sent[s]];
         else
           for (const std::int32_t i : route.sent) *write++ = values[i];
       }

@@ -1,4 +1,4 @@
-/// Copies of other ranks' particles (and periodic images of one's own) that owned particles need as neighbours.
+/// Copies of other ranks' particles (and images of one's own) that owned particles need as neighbours.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,24 @@ namespace stirsph {
 
 class CellTable;
 
-/// What one rank sends to another, or to itself as periodic images.
+/// How a copy looks to those who need it: beyond the axis of symmetry (then turned by half a turn about it), or beyond
+/// a periodic face.
+struct Image {
+  Vec3 shift;           ///< m, by coordinates
+  bool turned = false;  ///< before the shift
+  bool operator==(const Image&) const = default;
+  /// Coordinate d of the image of a particle at x.
+  double coordinate(double x, int d) const { return (turned && d == 0 ? -x : x) + shift[d]; }
+};
+
+/// What one rank sends to another, or to itself as images.
 struct HaloCopies {
   std::vector<std::int32_t> sent;  ///< local indices of owned particles
-  std::vector<Vec3> shifts;        ///< periodic shift of each sent copy [m]
+  std::vector<Image> images;       ///< of each sent copy
 };
 
 /// What `own_rank`, which owns `particles`, sends to each rank: every particle within `reach` [m] of a cell where that
-/// rank (or a periodic image) has particles. Not collective.
+/// rank has particles, itself or as an image. Not collective.
 std::map<int, HaloCopies> plan_halo(const ParticleSet& particles, const CellTable& cells, double reach, int own_rank);
 
 /// Who sends which particles to whom; rebuilt with the pair list.
@@ -44,11 +54,11 @@ class HaloExchange {
   std::size_t received() const { return received_; }
 
  private:
-  /// What goes to one rank, or to this rank itself as periodic images.
+  /// What goes to one rank, or to this rank itself as images.
   struct Route {
     int rank;
     std::vector<std::int32_t> sent;  ///< local indices of owned particles
-    std::vector<Vec3> shifts;        ///< periodic shift of each sent copy [m]; empty when all are zero
+    std::vector<Image> images;       ///< of each sent copy; empty when none is moved
     std::size_t first_received = 0;  ///< local index of the first copy that comes back from that rank
     std::size_t received = 0;
   };

@@ -18,7 +18,7 @@ int ParticleSet::components(Shape shape) const {
     case Shape::SymmetricTensor:
       return layout_.stress_components;
     case Shape::Matrix:
-      return layout_.dim * layout_.dim;
+      return layout_.velocity_components * layout_.dim;
     case Shape::List:
       return 1;
   }

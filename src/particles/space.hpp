@@ -14,8 +14,10 @@ namespace stirsph {
 /// Three dimensions, coordinates x y z.
 struct Cartesian3 {
   static constexpr std::string_view keyword = "cartesian3";
-  static constexpr int dim = 3;  ///< components of a position
+  static constexpr int dim = 3;                       ///< components of a position
+  static constexpr std::array<int, 3> axes{0, 1, 2};  ///< the scene's axis, and velocity component, of each of them
   static constexpr int velocity_components = 3;
+  static constexpr int tensor_dim = 3;         ///< size of the velocity gradient as a matrix
   static constexpr int stress_components = 6;  ///< xx yy zz xy xz yz
 };
 
@@ -23,7 +25,9 @@ struct Cartesian3 {
 struct PlaneStrain {
   static constexpr std::string_view keyword = "plane_strain";
   static constexpr int dim = 2;
+  static constexpr std::array<int, 3> axes{0, 1, 2};
   static constexpr int velocity_components = 2;
+  static constexpr int tensor_dim = 2;
   static constexpr int stress_components = 4;  ///< xx yy zz xy
 };
 
@@ -34,7 +38,9 @@ struct PlaneStrain {
 struct AxisymmetricSwirl {
   static constexpr std::string_view keyword = "axisymmetric";
   static constexpr int dim = 2;
+  static constexpr std::array<int, 3> axes{0, 2, 1};
   static constexpr int velocity_components = 3;
+  static constexpr int tensor_dim = 3;
   static constexpr int stress_components = 6;  ///< rr tt zz rt rz tz
 };
 
@@ -46,18 +52,20 @@ struct SpaceLayout {
   int dim;
   int velocity_components;
   int stress_components;
-  std::array<int, 3> axes{0, 1, 2};  ///< the scene's axis of each component of a position
+  std::array<int, 3> axes;  ///< the scene's axis of each component of a position
 
   bool axisymmetric() const { return axes[1] == 2; }
 };
 
+/// Storage index of the component (i, j), i <= j, of a symmetric tensor, counted by the components of a position.
+template <class S>
+constexpr int in_plane_index(int i, int j) {
+  return symmetric_index(S::axes[static_cast<std::size_t>(i)], S::axes[static_cast<std::size_t>(j)]);
+}
+
 template <class S>
 constexpr SpaceLayout layout_of() {
-  return {S::dim, S::velocity_components, S::stress_components};
-}
-template <>
-constexpr SpaceLayout layout_of<AxisymmetricSwirl>() {
-  return {2, 3, 6, {0, 2, 1}};
+  return {S::dim, S::velocity_components, S::stress_components, S::axes};
 }
 inline SpaceLayout layout_of(const Space& space) {
   return std::visit([]<class S>(const S&) { return layout_of<S>(); }, space);

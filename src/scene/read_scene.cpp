@@ -84,6 +84,16 @@ void read_numerics(const Parameters& root, Scene& scene) {
   m.artificial_stress = n.real("artificial_stress");
   m.density_scale = n.real("density_scale");
   m.elastic_scale = n.real("elastic_scale");
+  m.swirl_inertia = n.text("inertia") == "full";
+  m.swirl_density_ratio = n.real("swirl_density_ratio");
+  m.viscosity_without_swirl = n.text("viscosity_velocity") == "no_swirl";
+  if (m.swirl_density_ratio < 1 && m.swirl_inertia)
+    n.fail("swirl_density_ratio",
+           "a swirl that is lighter than other motion needs inertia = \"no_swirl\": its "
+           "centrifugal force would not fit its mass.");
+  if (scene.space.index() == Space(PlaneStrain{}).index() && (!m.swirl_inertia || m.viscosity_without_swirl))
+    n.fail(m.swirl_inertia ? "viscosity_velocity" : "inertia",
+           "in plane strain there is no axis of swirl. Allowed: \"full\".");
   if (n.has("density_scale_for_step")) scene.target_step = n.real("density_scale_for_step");
   if (scene.target_step > 0 && m.density_scale != 1)
     n.fail("density_scale_for_step", "give either density_scale or density_scale_for_step, not both.");
@@ -105,6 +115,7 @@ void read_domain(const Parameters& root, Scene& scene) {
   const Parameters d = root.table("domain");
   const SpaceLayout layout = layout_of(scene.space);
   scene.domain.dim = layout.dim;
+  scene.domain.axis = layout.axisymmetric();
   const std::vector<std::string> periodic = d.texts("periodic");
   for (const std::string& name : periodic) {
     const int axis = name == "x" ? 0 : name == "y" ? 1 : name == "z" ? 2 : -1;
@@ -459,6 +470,7 @@ void read_heat_and_output(const Parameters& root, Scene& scene) {
 
   const Parameters limits = root.table("limits");
   scene.limits.penetration = limits.real("penetration");
+  scene.limits.travel = limits.real("travel");
   if (limits.has("speed")) scene.limits.speed = limits.real("speed");
 }
 

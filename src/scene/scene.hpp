@@ -169,6 +169,7 @@ struct OutputScene {
 struct LimitScene {
   double penetration = 1.0;  ///< of the spacing: deeper is a blow-up
   double speed = 0;          ///< m/s, 0 = ten times the wave speed
+  double travel = 0.25;      ///< of the spacing, that a particle may go along its circle in a step (no_swirl)
 };
 
 struct Scene {

@@ -81,6 +81,18 @@ void declare_numerics(Schema& s) {
       .unit("s")
       .positive()
       .optional();
+  n.choice(
+       "inertia", {"full", "no_swirl"},
+       "no_swirl: the scaled mass of swirl around the z axis has no centrifugal and Coriolis forces; particles move "
+       "along their circles")
+      .by_default("full");
+  n.real("swirl_density_ratio", "density_scale of motion around the z axis over that of other motion")
+      .range(1e-6, 1)
+      .by_default(1.0);
+  n.choice("viscosity_velocity", {"full", "no_swirl"},
+           "which velocity the artificial viscosity sees; no_swirl: without the swirl around the z axis (always so in "
+           "the axisymmetric space)")
+      .by_default("full");
   n.real("elastic_scale", "factor on the elastic moduli").range(1e-6, 1).by_default(1.0);
   n.real("skin", "margin of the pair list over the kernel support, in spacings").range(0.01, 3).by_default(0.3);
   n.real("repartition_imbalance",
@@ -300,6 +312,12 @@ void declare_heat_and_output(Schema& s) {
       .unit("m/s")
       .positive()
       .optional();
+  limits
+      .real("travel",
+            "way along its circle that a particle may go in a step, in spacings; shortens the steps of three "
+            "dimensions with inertia = \"no_swirl\"")
+      .range(1e-3, 10)
+      .by_default(0.25);
 }
 
 }  // namespace

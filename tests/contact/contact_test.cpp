@@ -17,7 +17,7 @@ constexpr double spacing = 1e-3, mass = 2e-6, modulus = 70e9, dt = 1e-8, depth =
 /// A particle on the x axis that touches a plane z = 0 from above; the plane turns about z.
 struct Touching {
   explicit Touching(const ContactPair& settings, double strength, double z_velocity = 0)
-      : contact({settings}, 3, spacing, {modulus}, 1) {
+      : contact({settings}, 3, spacing, {modulus}, Inertia{}) {
     for (const FieldInfo* info :
          {&field::id, &field::body, &field::material, &field::mass, &field::position, &field::velocity,
           &field::acceleration, &field::volume, &field::flow_stress, &field::heat_input})

@@ -64,7 +64,7 @@ class Crowd {
   /// Moves by dt as the step does: the next half kick is known when the list is judged. True when the list is new.
   bool step(const std::function<Vec3(const Vec3&, double)>& flow, double dt) {
     const auto agreed = [&] {
-      ListMotion own = neighbourhood.motion(particles);
+      ListMotion own = neighbourhood.motion(particles, Inertia{});
       for (double* value : {&own.deviation, &own.relative_speed, &own.displacement, &own.speed, &own.acceleration})
         *value = comm_.max(*value);
       return own;
