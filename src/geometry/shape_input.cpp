@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -198,7 +197,7 @@ void declare_die(Schema& s) {
   s.real("height", "length along the axis").unit("m").positive();
   s.real("taper", "half-angle by which the bore opens along the axis, such as \"0.5 deg\"; negative: it closes")
       .unit("rad")
-      .range(-0.49 * std::numbers::pi, 0.49 * std::numbers::pi)
+      .range(-1.5, 1.5)
       .by_default("0 deg");
   s.real("edge_fillet", "radius that rounds the rim of the bore at the far end")
       .unit("m")
