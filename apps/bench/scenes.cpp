@@ -166,8 +166,8 @@ Scene extrusion(const SceneChoice& choice) {
   RigidScene tool = rigid_body("tool", make_cylinder({0, 0, face}, up, tool_radius, 60e-3));
   tool.reference_point = {0, 0, face};
   tool.motion.kind = MotionScene::Kind::Force;
-  tool.motion.preload = tool.motion.target = 12e3;
-  tool.motion.approach_time = 1e-3;
+  tool.motion.force.preload = tool.motion.force.target = 12e3;
+  tool.motion.force.approach_time = 1e-3;
   tool.motion.rotation = input::Expression(tool_rate);
   scene.rigids = {tool, rigid_body("die", make_annulus({}, up, billet_radius, 40e-3, 76e-3)),
                   rigid_body("plate", make_cylinder({0, 0, -20e-3}, up, 40e-3, 20e-3))};

@@ -102,7 +102,7 @@ Diagnostics diagnose(const Simulation& simulation) {
 int tool_index(const Scene& scene) {
   for (std::size_t r = 0; r < scene.rigids.size(); ++r) {
     const MotionScene& motion = scene.rigids[r].motion;
-    if (motion.kind != MotionScene::Kind::Fixed || motion.rotation) return static_cast<int>(r);
+    if (motion.kind != MotionScene::Kind::Fixed || motion.rotation || motion.retreat) return static_cast<int>(r);
   }
   return -1;
 }
@@ -137,6 +137,7 @@ std::vector<HistoryColumn> history_columns(const Scene& scene) {
       if (rigid.motion.kind == MotionScene::Kind::Force) {
         columns.push_back({rigid.name + ".target_force", "N"});
         columns.push_back({rigid.name + ".at_velocity_limit", "1"});
+        columns.push_back({rigid.name + ".phase", "1"});
       }
     }
     if (exchanges_heat(scene, rigid)) {
@@ -191,8 +192,11 @@ std::vector<double> history_row(const Simulation& simulation, const Diagnostics&
       put({force.x, force.y, force.z, dot(simulation.rigid_torque(static_cast<int>(r)), pose.axis), pose.translation.x,
            pose.translation.y, pose.translation.z, pose.angle, c[1] > 0 ? c[0] / c[1] : 0.0, c[2], c[3],
            c[3] > 0 ? c[4] / c[3] : 0.0});
-      if (motion.force_controlled())
-        put({motion.target_force(simulation.clock().time), motion.at_velocity_limit() ? 1.0 : 0.0});
+      if (const ForceControl* control = motion.force_control()) {
+        constexpr double retreat = 5;  // after those of ForceControl::Phase
+        put({motion.retreating() ? 0.0 : control->target_force(), control->at_velocity_limit() ? 1.0 : 0.0,
+             motion.retreating() ? retreat : static_cast<double>(control->phase())});
+      }
     }
     if (exchanges_heat(scene, scene.rigids[r])) {
       const BodyHeat& heat = simulation.heat_ledger().bodies[r];

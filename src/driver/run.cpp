@@ -250,6 +250,9 @@ void Run::print_header() const {
     if (const RigidHeat& heat = simulation_.rigid_heat()[r]; heat.mesh)
       log::info(fmt::format("{}: mesh of {} elements, {} nodes, {:.4g} J/K", scene.rigids[r].name,
                             heat.mesh->mesh().elements.size(), heat.mesh->nodes(), heat.heat_capacity));
+  for (std::size_t r = 0; r < scene.rigids.size(); ++r)
+    if (const std::string plan = simulation_.motions()[r].describe(); !plan.empty())
+      log::info(fmt::format("{}: {}", scene.rigids[r].name, plan));
   if (scene.mechanics)
     log::info(fmt::format(
         "dt {:.4g} s from {}; wave speed {:.4g} m/s (density scale {:.4g}, elastic scale {:.4g}); {:.0f} B per "
@@ -276,13 +279,14 @@ void Run::print_progress() {
   const double torque = tool >= 0 ? dot(simulation_.rigid_torque(tool), simulation_.rigids()[tool].pose.axis) : 0.0;
   const double along = tool >= 0 ? -dot(force, scene.rigids[tool].motion.direction) : 0.0;
   const double internal = d.energy.elastic + d.energy.plastic;
+  const std::string remark = tool >= 0 ? simulation_.motions()[tool].remark() : "";
   log::info(fmt::format(
       "{:>9} {:>11.5g} {:>9.3g} {:>8.1f} {:>8.0f} {:>9.3g} {:>7.1f} {:>10.4g} {:>9.4g} {:>8.2g} {:>8.2g} {:>7.3f} "
       "{:>6.2f} {:>7.1f}{}",
       clock.step, clock.time, clock.dt, elapsed(), done > 0 ? elapsed() * (1 / done - 1) : 0.0, rate, d.temperature_max,
       along, torque, internal > 0 ? d.energy.kinetic / internal : 0.0, d.inertia_number,
       simulation_.largest_penetration() / scene.numerics.spacing, imbalance, simulation_.list_upkeep().steps_per_list(),
-      tool >= 0 && simulation_.motions()[tool].at_velocity_limit() ? "  (tool at its velocity limit)" : ""));
+      remark.empty() ? "" : "  (tool " + remark + ")"));
 }
 
 void Run::print_report(const Diagnostics& d) {
@@ -306,6 +310,12 @@ void Run::print_report(const Diagnostics& d) {
                     "imbalance {:.3f} now by counts, {:.3f} by seconds of sweeps and contact",
                     upkeep.renewals, upkeep.steps_per_list(), cost, upkeep.repartitions, imbalance, measured));
   }
+  for (std::size_t r = 0; r < simulation_.motions().size(); ++r)
+    if (const ForceControl* control = simulation_.motions()[r].force_control())
+      log::info(
+          fmt::format("{}: {:.4g} s of the force programme in contact, {:.4g} s of it at the velocity limit{}",
+                      simulation_.rigids()[r].name, control->contact_time(), control->time_at_velocity_limit(),
+                      control->phase() == ForceControl::Phase::StrokeEnd ? "; the stroke limit was reached" : ""));
   if (simulation_.scene().heat.mode == HeatScene::Mode::Conduction) {
     const HeatLedger& heat = simulation_.heat_ledger();
     log::info(
@@ -332,6 +342,8 @@ void Run::write_summary(const Diagnostics& d) {
   if (!comm_.is_root()) return;
   const Scene& scene = simulation_.scene();
   double tube = 0;
+  const int tool = tool_index(scene);
+  const ForceControl* control = tool >= 0 ? simulation_.motions()[tool].force_control() : nullptr;
   std::string materials;
   for (const Material& material : scene.materials)
     materials += (materials.empty() ? "\"" : ", \"") + material.name + "\"";
@@ -342,10 +354,11 @@ void Run::write_summary(const Diagnostics& d) {
       fmt::format(
           "{{\"wall_s\": {:.3f}, \"steps\": {}, \"time_s\": {:.9g}, \"particles\": {}, \"ranks\": {}, "
           "\"tube_length_mm\": {:.4g}, \"T_max_K\": {:.6g}, \"lost_particles\": {}, "
+          "\"velocity_limit_s\": {:.6g}, "
           "\"energy_residual\": {:.4g}, \"inertia_number\": {:.4g}, \"spacing_mm\": {:.6g}, \"materials\": [{}]}}\n",
           elapsed(), simulation_.clock().step, simulation_.clock().time, simulation_.particle_count(), comm_.size(),
-          1e3 * tube, d.temperature_max, d.leaked, d.energy.residual(), d.inertia_number, 1e3 * scene.numerics.spacing,
-          materials));
+          1e3 * tube, d.temperature_max, d.leaked, control ? control->time_at_velocity_limit() : 0.0,
+          d.energy.residual(), d.inertia_number, 1e3 * scene.numerics.spacing, materials));
 }
 
 }  // namespace

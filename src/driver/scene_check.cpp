@@ -56,6 +56,9 @@ std::string check_scene(const Comm& comm, const Scene& scene) {
          : body.role == RigidHeat::Role::LumpedNode ? fmt::format("one node of {:.4g} J/K", body.heat_capacity)
                                                     : fmt::format("fixed at {:.5g} K", body.temperature));
   }
+  for (std::size_t r = 0; r < scene.rigids.size(); ++r)
+    if (const std::string plan = simulation.motions()[r].describe(); !plan.empty())
+      line("motion of " + scene.rigids[r].name, plan);
   line("contact", fmt::format("{} ({} pairs)", on(!scene.contacts.empty()), scene.contacts.size()));
   if (scene.mechanics) {
     const MechanicsSettings& n = scene.numerics;

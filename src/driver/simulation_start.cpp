@@ -81,6 +81,7 @@ BilletStiffness Simulation::billet_stiffness(const RigidScene& rigid) const {
     modulus *= scene_.numerics.elastic_scale / volume;
     density *= scene_.numerics.density_scale / volume;
     billet.stiffness = modulus * volume / (length * length);
+    billet.impedance = std::sqrt(density * modulus) * volume / length;
     billet.angular_frequency = 0.5 * std::numbers::pi * std::sqrt(modulus / density) / length;
   }
   return billet;

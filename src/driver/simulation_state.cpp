@@ -97,7 +97,7 @@ void Simulation::resume(const std::string& checkpoint) {
     std::size_t at = 3;
     for (Vec3* v : {&pose.translation, &pose.velocity, &rigid_force_[r], &rigid_torque_[r]})
       for (int d = 0; d < 3; ++d) (*v)[d] = values[at++];
-    motions_[r].restore(numbers("controller_" + rigids_[r].name, 3));
+    motions_[r].restore(numbers("controller_" + rigids_[r].name, motions_[r].state().size()));
     const auto& body = numbers("heat_" + rigids_[r].name, 4);
     heat_ledger_.bodies[r] = {body[0], body[1], body[2], body[3]};
     if (!rigid_heat_[r].mesh) continue;

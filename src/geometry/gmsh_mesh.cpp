@@ -21,11 +21,13 @@
 
 #include "base/error.hpp"
 #include "base/timer.hpp"
+#include "geometry/about_axis.hpp"
 #include "geometry/combinations.hpp"
 #include "geometry/mesh_file.hpp"
 #include "geometry/mesh_shape.hpp"
 #include "geometry/mesh_sizes.hpp"
 #include "geometry/primitives.hpp"
+#include "geometry/revolved_profile.hpp"
 
 namespace stirsph {
 namespace {
@@ -286,17 +288,20 @@ class SolidBuilder final : public ShapeVisitor {
     solid_ = rod(shape.outer_radius());
     if (shape.inner_radius() > 0) subtract(rod(shape.inner_radius()));
   }
-  void visit(const RevolvedPolygon& shape) override {
-    const Vec3 base = per_m * shape.base(), axis = shape.axis();
-    const Vec3 side = std::abs(axis.x) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-    const Vec3 radial = normalised(side - dot(side, axis) * axis);
+  void visit(const RevolvedProfile& shape) override {
+    const Vec3 base = per_m * shape.base(), axis = shape.axis(), radial = across(axis);
+    const auto point = [&](double r, double z) {
+      const Vec3 p = base + per_m * (r * radial + z * axis);
+      return occ::addPoint(p.x, p.y, p.z);
+    };
+    const auto& edges = shape.edges();
     std::vector<int> points, lines;
-    for (const auto& corner : shape.corners()) {
-      const Vec3 p = base + per_m * (corner.r * radial + corner.z * axis);
-      points.push_back(occ::addPoint(p.x, p.y, p.z));
+    for (const auto& edge : edges) points.push_back(point(edge.start_r, edge.start_z));
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      const int start = points[i], end = points[(i + 1) % edges.size()];
+      lines.push_back(edges[i].radius > 0 ? occ::addCircleArc(start, point(edges[i].centre_r, edges[i].centre_z), end)
+                                          : occ::addLine(start, end));
     }
-    for (std::size_t i = 0; i < points.size(); ++i)
-      lines.push_back(occ::addLine(points[i], points[(i + 1) % points.size()]));
     const int section = occ::addPlaneSurface({occ::addWire(lines)});
     Entities swept;
     occ::revolve({{2, section}}, base.x, base.y, base.z, axis.x, axis.y, axis.z, 2 * std::numbers::pi, swept);

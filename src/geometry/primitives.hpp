@@ -92,36 +92,6 @@ class EndlessTube final : public ShapeFunction {
   double inner_radius_, outer_radius_;
 };
 
-/// A polygon in the meridian half-plane (r >= 0, z along the axis from the base) turned about the axis: cylinders,
-/// annuli and frustums with their ends and sharp edges.
-class RevolvedPolygon final : public ShapeFunction {
- public:
-  struct Corner {
-    double r, z;  ///< m
-  };
-  /// Corners in counter-clockwise order with r to the right and z up. Edges on the axis are no surface.
-  RevolvedPolygon(const Vec3& base, const Vec3& axis, const std::vector<Corner>& corners, std::string description);
-  SurfacePoint nearest(const Vec3& point) const override;
-  Bounds bounds() const override;
-  std::string describe() const override { return description_; }
-  void accept(ShapeVisitor& visitor) const override { visitor.visit(*this); }
-  const Vec3& base() const { return base_; }
-  const Vec3& axis() const { return axis_; }
-  /// Without repeated ones, in the order given.
-  std::vector<Corner> corners() const;
-
- private:
-  struct Edge {
-    Corner start;
-    double dr, dz;    ///< unit vector from the start to the end
-    double length;    ///< m
-    bool is_surface;  ///< false on the axis
-  };
-  Vec3 base_, axis_;
-  std::vector<Edge> edges_;
-  std::string description_;
-};
-
 /// From the base along the axis; without a height endless both ways.
 ShapePointer make_cylinder(const Vec3& base, const Vec3& axis, double radius, std::optional<double> height);
 ShapePointer make_annulus(const Vec3& base, const Vec3& axis, double inner_radius, double outer_radius,

@@ -28,7 +28,7 @@ class Box;
 class Sphere;
 class Torus;
 class EndlessTube;
-class RevolvedPolygon;
+class RevolvedProfile;
 class Union;
 class Intersection;
 class Difference;
@@ -42,7 +42,7 @@ class ShapeVisitor {
   virtual void visit(const Sphere& shape) = 0;
   virtual void visit(const Torus& shape) = 0;
   virtual void visit(const EndlessTube& shape) = 0;
-  virtual void visit(const RevolvedPolygon& shape) = 0;
+  virtual void visit(const RevolvedProfile& shape) = 0;
   virtual void visit(const Union& shape) = 0;
   virtual void visit(const Intersection& shape) = 0;
   virtual void visit(const Difference& shape) = 0;

@@ -1,11 +1,19 @@
 #include "geometry/shape_input.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "geometry/combinations.hpp"
 #include "geometry/primitives.hpp"
+#include "geometry/revolved_profile.hpp"
 
 namespace stirsph {
 namespace {
@@ -127,6 +135,90 @@ ShapePointer make_torus(const Parameters& p) {
   return std::make_shared<Torus>(p.vector("centre"), p.vector("axis"), p.real("ring_radius"), p.real("section_radius"));
 }
 
+void declare_profile(Schema& s) {
+  s.doc =
+      "A solid of revolution: a closed profile of straight lines turned about the axis. It may touch the axis, or stay "
+      "away from it (a ring).";
+  declare_axis(s, "base", "point of the axis where z of the profile is 0");
+  Schema& vertex = s.tables("points", "corners of the profile in order around it, counted from 0 in messages", 3);
+  vertex.real("r", "distance from the axis").unit("m").not_negative();
+  vertex.real("z", "height along the axis from the base").unit("m");
+  vertex.real("fillet", "radius that rounds the corner, outer or inner").unit("m").not_negative().by_default("0 m");
+}
+ShapePointer make_profile(const Parameters& p) {
+  std::vector<RevolvedProfile::Vertex> vertices;
+  std::string listed;
+  for (const Parameters& v : p.tables("points")) {
+    vertices.push_back({v.real("r"), v.real("z"), v.real("fillet")});
+    listed += fmt::format(" ({}, {})", vertices.back().r, vertices.back().z);
+  }
+  try {
+    return std::make_shared<RevolvedProfile>(p.vector("base"), p.vector("axis"), std::move(vertices),
+                                             "profile through (r, z) [m]" + listed);
+  } catch (const InputError& wrong) {
+    p.fail("points", wrong.what());
+  }
+}
+
+void declare_tool(Schema& s) {
+  s.doc =
+      "A tool: working face, land of full radius, shank relieved behind it, so that only the land rubs on the tube.";
+  declare_axis(s, "base", "centre of the working face; the axis points from there to the shank");
+  s.real("radius", "of the face and the land").unit("m").positive();
+  s.real("height", "of the whole tool along the axis").unit("m").positive();
+  s.real("land", "height of the full radius above the face; the whole height when left out")
+      .unit("m")
+      .positive()
+      .optional();
+  s.real("relief", "by how much the radius is smaller above the land").unit("m").not_negative().by_default("0 m");
+  s.real("edge_fillet", "radius that rounds the edge of the face").unit("m").not_negative().by_default("0 m");
+}
+ShapePointer make_tool_from(const Parameters& p) {
+  const double radius = p.real("radius"), height = p.real("height"), relief = p.real("relief");
+  const double land = p.has("land") ? p.real("land") : height, fillet = p.real("edge_fillet");
+  if (land > height) p.fail("land", fmt::format("must not be longer than the height of {:.6g} mm.", 1e3 * height));
+  if (relief >= radius) p.fail("relief", fmt::format("must be smaller than the radius of {:.6g} mm.", 1e3 * radius));
+  if (relief > 0 && land == height)
+    p.fail(p.has("land") ? "land" : "relief",
+           fmt::format("a relief needs a land shorter than the height of {:.6g} mm, such as land = \"2 mm\".",
+                       1e3 * height));
+  if (fillet > std::min(radius, land))
+    p.fail("edge_fillet",
+           fmt::format("there is no room for it. Allowed: up to {:.6g} mm, the smaller of radius and land.",
+                       1e3 * std::min(radius, land)));
+  return make_tool(p.vector("base"), p.vector("axis"), radius, land, relief, height, fillet);
+}
+
+void declare_die(Schema& s) {
+  s.doc = "A die: a ring whose bore may be tapered, with a rounded rim at the far end.";
+  declare_axis(s, "base", "centre of the lower end, where the axis starts");
+  s.real("inner_radius", "radius of the bore at the base").unit("m").positive();
+  s.real("outer_radius", "radius of the outer face").unit("m").positive();
+  s.real("height", "length along the axis").unit("m").positive();
+  s.real("taper", "half-angle by which the bore opens along the axis, such as \"0.5 deg\"; negative: it closes")
+      .unit("rad")
+      .range(-1.5, 1.5)
+      .by_default("0 deg");
+  s.real("edge_fillet", "radius that rounds the rim of the bore at the far end")
+      .unit("m")
+      .not_negative()
+      .by_default("0 m");
+}
+ShapePointer make_die_from(const Parameters& p) {
+  const double inner = p.real("inner_radius"), outer = p.real("outer_radius"), height = p.real("height");
+  if (!(inner < outer)) p.fail("inner_radius", "must be smaller than outer_radius");
+  const double top = inner + height * std::tan(p.real("taper"));
+  if (!(top > 0 && top < outer))
+    p.fail("taper", fmt::format("the bore would have a radius of {:.6g} mm at the far end. Allowed: > 0 and below the "
+                                "outer radius of {:.6g} mm.",
+                                1e3 * top, 1e3 * outer));
+  try {
+    return make_die(p.vector("base"), p.vector("axis"), inner, outer, height, p.real("taper"), p.real("edge_fillet"));
+  } catch (const InputError& wrong) {  // all else is checked
+    p.fail("edge_fillet", wrong.what());
+  }
+}
+
 std::vector<ShapePointer> make_all(const std::vector<Parameters>& tables) {
   std::vector<ShapePointer> shapes;
   for (const auto& table : tables) shapes.push_back(make_shape(table));
@@ -162,11 +254,14 @@ const std::map<std::string, ShapeType>& shape_types() {
       {"annulus", {declare_annulus, make_annulus_from}},
       {"box", {declare_box, make_box}},
       {"cylinder", {declare_cylinder, make_cylinder_from}},
+      {"die", {declare_die, make_die_from}},
       {"difference", {declare_difference, make_difference}},
       {"frustum", {declare_frustum, make_frustum_from}},
       {"half_space", {declare_half_space, make_half_space}},
       {"intersection", {declare_intersection, make_intersection}},
+      {"profile", {declare_profile, make_profile}},
       {"sphere", {declare_sphere, make_sphere}},
+      {"tool", {declare_tool, make_tool_from}},
       {"torus", {declare_torus, make_torus}},
       {"union", {declare_union, make_union}},
   };

@@ -170,6 +170,40 @@ void read_bodies(const Parameters& root, Scene& scene) {
     if (p.has("material")) index_of(p, "material", p.text("material"), names);
 }
 
+ForceScene read_force(const Parameters& m) {
+  ForceScene force;
+  force.preload = m.real("preload");
+  force.approach_time = m.real("approach_time");
+  if (m.has("approach_speed")) force.approach_speed = m.real("approach_speed");
+  force.dwell = m.real("dwell");
+  force.ramp_rate = m.real("ramp_rate");
+  force.target = m.real("target");
+  force.velocity_limit = m.real("velocity_limit");
+  force.withdrawal_limit = m.has("withdrawal_limit") ? m.real("withdrawal_limit") : force.velocity_limit;
+  if (m.has("stroke_limit")) force.stroke_limit = m.real("stroke_limit");
+  if (m.has("stiffness")) force.stiffness = m.real("stiffness");
+  force.bandwidth = m.real("bandwidth");
+  if (force.target < force.preload) m.fail("target", "the target force must not be below the preload.");
+  return force;
+}
+
+RetreatScene read_retreat(const Parameters& r, const MotionScene& motion) {
+  RetreatScene retreat;
+  if (r.has("at") == r.has("dwell"))
+    r.fail("at", "give one of at (a process time) and dwell (after the end of the table or of the force programme).");
+  if (r.has("at")) retreat.at = r.real("at");
+  if (r.has("dwell")) {
+    if (motion.kind != MotionScene::Kind::Displacement && motion.kind != MotionScene::Kind::Force)
+      r.fail("dwell", "this motion has no end after which to dwell: give at, such as at = \"40 s\".");
+    retreat.dwell = r.real("dwell");
+  }
+  retreat.speed = r.real("speed");
+  retreat.distance = r.real("distance");
+  retreat.direction = r.has("direction") ? unit_vector(r, "direction") : -motion.direction;
+  retreat.stop_rotation = r.boolean("stop_rotation");
+  return retreat;
+}
+
 MotionScene read_translation(const Parameters& m) {
   MotionScene motion;
   const std::string& type = m.text("type");
@@ -183,15 +217,7 @@ MotionScene read_translation(const Parameters& m) {
   } else if (type == "force") {
     motion.kind = MotionScene::Kind::Force;
     motion.direction = unit_vector(m, "direction");
-    motion.preload = m.real("preload");
-    motion.approach_time = m.real("approach_time");
-    motion.dwell = m.real("dwell");
-    motion.ramp_rate = m.real("ramp_rate");
-    motion.target = m.real("target");
-    motion.velocity_limit = m.real("velocity_limit");
-    if (m.has("stiffness")) motion.stiffness = m.real("stiffness");
-    motion.bandwidth = m.real("bandwidth");
-    if (motion.target < motion.preload) m.fail("target", "the target force must not be below the preload.");
+    motion.force = read_force(m);
   }
   return motion;
 }
@@ -208,6 +234,7 @@ MotionScene read_motion(const Parameters& p) {
     if (!p.has("rotation")) p.fail("rotation_table", "needs [rigid.rotation] for the axis; its rate is then ignored.");
     motion.rotation_table = TabulatedCurve::read_csv(p.file("rotation_table"), "rad/s");
   }
+  if (p.has("retreat")) motion.retreat = read_retreat(p.table("retreat"), motion);
   return motion;
 }
 
@@ -354,6 +381,8 @@ void read_rigids(const Parameters& root, Scene& scene) {
     refuse_duplicate(p, rigid.name, scene.rigids);
     rigid.shape = make_shape(p.table("shape"));
     rigid.motion = read_motion(p);
+    if (rigid.motion.kind == MotionScene::Kind::Force && !scene.mechanics)
+      p.table("motion").fail("type", "without mechanics there is no force: use a velocity or a displacement table.");
     rigid.reference_point = p.vector("reference_point");
     if (p.has("material"))
       for (std::size_t k = 0; k < scene.materials.size(); ++k)

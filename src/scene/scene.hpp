@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,18 +40,36 @@ struct BodyScene {
   std::optional<RotationScene> rotation;       ///< added to the velocity
 };
 
+/// A force programme and the limits of its controller (physics.md section 1). The programme's clock runs in contact.
+struct ForceScene {
+  double preload = 0, dwell = 0, ramp_rate = 0, target = 0;       ///< N, s, N/s, N
+  double approach_time = 0.2;                                     ///< s over which the preload is applied
+  double approach_speed = 0;                                      ///< m/s until a force is felt, 0 = from the billet
+  double velocity_limit = 1e-3;                                   ///< m/s into the billet
+  double withdrawal_limit = 1e-3;                                 ///< m/s out of it
+  double stroke_limit = std::numeric_limits<double>::infinity();  ///< m of travel at which the tool stops for good
+  double stiffness = 0;                                           ///< N/m, 0 = estimated from the billet
+  double bandwidth = 0.15;                                        ///< of the billet's first axial frequency
+};
+
+/// Lifting the tool off at the end. Begins at a time, or a dwell after the table or the programme has come to its end.
+struct RetreatScene {
+  std::optional<double> at{};  ///< s; empty: by the dwell
+  double dwell = 0;            ///< s
+  double speed = 0;            ///< m/s
+  double distance = 0;         ///< m
+  Vec3 direction{0, 0, 1};
+  bool stop_rotation = false;
+};
+
 /// How a rigid body moves.
 struct MotionScene {
   enum class Kind { Fixed, Velocity, Displacement, Force } kind = Kind::Fixed;
   std::array<OptionalExpression, 3> velocity;  ///< m/s, of t
   Vec3 direction{0, 0, -1};                    ///< of displacement and force control: into the billet
   std::optional<TabulatedCurve> table;         ///< m over s along direction
-  // force programme (physics.md section 1)
-  double preload = 0, dwell = 0, ramp_rate = 0, target = 0;  ///< N, s, N/s, N
-  double approach_time = 0.2;                                ///< s over which the preload is applied
-  double velocity_limit = 1e-3;                              ///< m/s
-  double stiffness = 0;                                      ///< N/m, 0 = estimated from the billet
-  double bandwidth = 0.15;                                   ///< of the billet's first axial frequency
+  ForceScene force;
+  std::optional<RetreatScene> retreat;
   Vec3 centre, axis{0, 0, 1};
   OptionalExpression rotation;                   ///< rad/s, of t
   std::optional<TabulatedCurve> rotation_table;  ///< rad/s over s

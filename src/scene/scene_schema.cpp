@@ -35,17 +35,45 @@ const std::map<std::string, Schema>& motion_schemas() {
       velocity.expression(component, {"t"}, "velocity component").unit("m/s").by_default("0 m/s");
     m["velocity"] = velocity;
     Schema displacement("a table of displacement over time, for example measured on a machine");
-    displacement.text("table", "CSV file with a header such as: time [s], displacement [mm]").file();
+    displacement
+        .text(
+            "table",
+            "CSV file with a header such as: time [s], displacement [mm]; its first and last value are held before and "
+            "after its times")
+        .file();
     displacement.reals("direction", "unit vector of positive displacement").count(3, 3).by_default("[0.0, 0.0, -1.0]");
     m["displacement"] = displacement;
-    Schema force("force programme: preload, dwell, ramp, hold; the velocity follows from a PI controller");
+    Schema force(
+        "force programme: contact search, preload, dwell, ramp, hold; the velocity follows from a PI controller. Its "
+        "times count from the first contact and stand still while contact is lost");
     force.reals("direction", "unit vector in which the force is applied").count(3, 3).by_default("[0.0, 0.0, -1.0]");
     force.real("preload", "force held during the dwell").unit("N").positive();
-    force.real("approach_time", "time over which the preload is applied").unit("s").positive().by_default("0.2 s");
+    force.real("approach_time", "time over which the force is applied after contact was found")
+        .unit("s")
+        .positive()
+        .by_default("0.2 s");
     force.real("dwell", "time at the preload").unit("s").not_negative().by_default("0 s");
     force.real("ramp_rate", "increase of the force after the dwell").unit("N/s").positive().by_default("500 N/s");
     force.real("target", "force held to the end").unit("N").positive();
-    force.real("velocity_limit", "the tool never moves faster").unit("m/s").positive().by_default("1 mm/s");
+    force
+        .real("approach_speed",
+              "speed of the contact search; when missing, such that the impact force rho c A v of the (scaled) billet "
+              "stays below a fifth of the preload, at most velocity_limit")
+        .unit("m/s")
+        .positive()
+        .optional();
+    force.real("velocity_limit", "the tool never moves faster into the billet")
+        .unit("m/s")
+        .positive()
+        .by_default("1 mm/s");
+    force.real("withdrawal_limit", "nor faster out of it; velocity_limit when missing")
+        .unit("m/s")
+        .positive()
+        .optional();
+    force.real("stroke_limit", "travel along direction at which the tool stops and stays; none when missing")
+        .unit("m")
+        .positive()
+        .optional();
     force.real("stiffness", "axial stiffness of the billet for the controller gains; estimated when missing")
         .unit("N/m")
         .positive()
@@ -163,15 +191,37 @@ void declare_mesh(Schema& heat) {
       .optional();
 }
 
+void declare_retreat(Schema& rigid) {
+  Schema& retreat = rigid.table("retreat", "lifts the body off at the end, whatever moved it before", true);
+  retreat.real("at", "process time at which it begins; give at or dwell").unit("s").not_negative().optional();
+  retreat
+      .real("dwell",
+            "time from the end of the displacement table, or from the target force or the stroke limit, to the retreat")
+      .unit("s")
+      .not_negative()
+      .optional();
+  retreat.real("speed", "speed of the retreat").unit("m/s").positive();
+  retreat.real("distance", "length of the way; the body then rests").unit("m").positive();
+  retreat.reals("direction", "unit vector of the retreat; when missing, opposite to motion.direction, else [0, 0, 1]")
+      .count(3, 3)
+      .optional();
+  retreat.boolean("stop_rotation", "the rotation stops as the retreat begins").by_default("false");
+}
+
 void declare_rigids(Schema& s) {
   Schema& rigid = s.tables("rigid", "a rigid tool, die or plate: an exact surface, no particles");
   rigid.text("name", "name used in this file and in outputs");
   rigid.variant("shape", "type", shape_schemas, "the solid region of the body at the start");
   rigid.variant("motion", "type", motion_schemas, "how it moves; at rest when missing").optional();
   declare_rotation(rigid, "rotation", "rotation of the body about an axis that travels with it");
-  rigid.text("rotation_table", "CSV file with a header such as: time [s], rate [rpm]; replaces rotation.rate")
+  rigid
+      .text(
+          "rotation_table",
+          "CSV file with a header such as: time [s], rate [rpm]; replaces rotation.rate. Its first and last value are "
+          "held before and after its times")
       .file()
       .optional();
+  declare_retreat(rigid);
   rigid.text("material", "name of a material, for the split of the friction heat").optional();
   rigid.reals("reference_point", "point of the body from which extruded length is measured")
       .unit("m")

@@ -259,7 +259,7 @@ remove = [{ type = "sphere", radius = "1 m" }]
   const auto joined = shape_from(
       "[shape]\ntype = 'union'\nshapes = [{type = 'sphere', radius = '1 m'}, {type = 'sphere', radius = '2 m'}]");
   EXPECT_DOUBLE_EQ(joined->distance({3, 0, 0}), 1);
-  EXPECT_EQ(shape_schemas().size(), 10u);
+  EXPECT_EQ(shape_schemas().size(), 13u);
 }
 
 TEST(ShapeInput, ErrorsNameTheKey) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -128,6 +129,29 @@ const std::vector<BadInput> bad_inputs{
      "shape = { type = \"half_space\", point = [\"0 m\", \"0 m\", \"9 mm\"], normal = [0.0, 0.0, -1.0] }\n"
      "motion = { type = \"force\", preload = \"1 N\", target = \"2 N\" }\n[[contact]]\n",
      {"rigid \"press\"", "force control needs a [[contact]]"}},
+    {"misspelt limit of a force programme",
+     "motion = { type = \"velocity\", z = \"-1 m/s\" }",
+     "motion = { type = \"force\", preload = \"1 N\", target = \"2 N\", velocty_limit = \"1 mm/s\" }",
+     {"rigid[0].motion.velocty_limit", "unknown key", "velocity_limit\"?"}},
+    {"retreat without a beginning",
+     "motion = { type = \"velocity\", z = \"-1 m/s\" }",
+     "retreat = { speed = \"1 mm/s\", distance = \"5 mm\" }",
+     {"rigid[0].retreat", "give one of at", "dwell"}},
+    {"dwell without an end",
+     "motion = { type = \"velocity\", z = \"-1 m/s\" }",
+     "motion = { type = \"velocity\", z = \"-1 m/s\" }\n"
+     "retreat = { dwell = \"2 s\", speed = \"1 mm/s\", distance = \"5 mm\" }",
+     {"rigid[0].retreat.dwell = \"2 s\"", "no end", "at = \"40 s\""}},
+    {"tool without room for its fillet",
+     "type = \"cylinder\", base = [\"3 mm\", \"2 mm\", \"4 mm\"], radius = \"2 mm\", height = \"5 mm\" }",
+     "type = \"tool\", base = [\"3 mm\", \"2 mm\", \"4 mm\"], radius = \"2 mm\", height = \"5 mm\", "
+     "edge_fillet = \"3 mm\" }",
+     {"rigid[0].shape.edge_fillet = \"3 mm\"", "up to 2 mm"}},
+    {"profile that crosses itself",
+     "type = \"cylinder\", base = [\"3 mm\", \"2 mm\", \"4 mm\"], radius = \"2 mm\", height = \"5 mm\" }",
+     "type = \"profile\", points = [{ r = \"0 mm\", z = \"9 mm\" }, { r = \"2 mm\", z = \"5 mm\" }, "
+     "{ r = \"2 mm\", z = \"9 mm\" }, { r = \"0 mm\", z = \"5 mm\" }] }",
+     {"rigid[0].shape.points", "vertex 0 (r = 0 mm, z = 9 mm)", "vertex 2", "must not cross itself"}},
     {"periodic without box", "periodic = []", "periodic = [\"x\"]", {"domain.periodic", "domain.low and domain.high"}},
     {"lumped node without capacity",
      "heat_capacity = \"3 J/K\", ",
@@ -145,6 +169,25 @@ const std::vector<BadInput> bad_inputs{
     {"empty set", "[\"1 mm\", \"9 mm\", \"9 mm\"]", "[\"0.2 mm\", \"9 mm\", \"9 mm\"]", {"set \"end\"", "no particle"}},
     {"not TOML", "spacing = \"1 mm\"", "spacing = 1 mm", {"scene", "3"}},
 };
+
+TEST(BadInput, ForceControlNeedsMechanics) {
+  const std::string force = "type = \"force\", preload = \"1 N\", target = \"2 N\"";
+  std::string text = "mechanics = false\n" + with("type = \"velocity\", z = \"-1 m/s\"", force);
+  const std::string end = "end = \"10 us\"";
+  text.replace(text.find(end), end.size(), end + "\nstep = \"1 us\"");
+  const std::string message = complaint(text);
+  EXPECT_NE(message.find("rigid[0].motion.type = \"force\""), std::string::npos) << message;
+  EXPECT_NE(message.find("without mechanics there is no force"), std::string::npos) << message;
+}
+
+TEST(BadInput, ATableThatGoesBackInTimeIsRefusedWithItsLine) {
+  const std::string table = std::string(STIRSPH_BINARY_DIR) + "/backwards.csv";
+  std::ofstream(table) << "# measured\ntime [s], displacement [mm]\n0, 0\n2, 1\n1.5, 2\n";
+  const std::string path = "motion = { type = \"displacement\", table = \"" + table + "\" }";
+  const std::string message = complaint(with("motion = { type = \"velocity\", z = \"-1 m/s\" }", path));
+  EXPECT_NE(message.find("backwards.csv:5 time = 1.5 s"), std::string::npos) << message;
+  EXPECT_NE(message.find("Times must increase"), std::string::npos) << message;
+}
 
 TEST(BadInput, TheSceneItselfWorks) { EXPECT_EQ(complaint(good), ""); }
 
