@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 
 /// Fields whose values name something; single precision would merge large ones.
 bool holds_whole_numbers(std::string_view name) {
-  constexpr std::array names{field::id.name, field::body.name, field::material.name, field::sets.name};
+  constexpr std::array names{field::id.name, field::body.name, field::material.name, field::sets.name,
+                             field::recrystallised.name};
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
@@ -113,11 +114,13 @@ std::string snapshot_path(const std::string& folder, int number) {
   return (fs::path(folder) / name).string();
 }
 
-SnapshotSeries::SnapshotSeries(const Comm& comm, const std::string& folder, const std::vector<std::string>& fields)
-    : comm_(comm), folder_(folder), fields_(fields) {}
+SnapshotSeries::SnapshotSeries(const Comm& comm, const std::string& folder, const std::vector<std::string>& fields,
+                               std::string_view also)
+    : comm_(comm), folder_(folder), fields_(fields), also_(also) {}
 
 bool SnapshotSeries::selected(const FieldInfo& info) const {
   if (info.name == field::position.name) return false;  // it is the geometry
+  if (info.name == also_) return true;
   if (fields_.empty()) return info.snapshot;
   return std::find(fields_.begin(), fields_.end(), info.name) != fields_.end();
 }
