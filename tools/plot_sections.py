@@ -41,7 +41,8 @@ def nearest_snapshots(index, times):
     gaps = np.diff([row[1] for row in index])
     for time, row in zip(times, chosen):
         if abs(row[1] - time) > 0.5 * max(gaps, default=0.0) + 1e-9:
-            raise PlotError(f"no snapshot is near {time:g} s: they reach from {index[0][1]:.4g} to {index[-1][1]:.4g} s")
+            raise PlotError(f"no snapshot is near {time:g} s: they reach from {index[0][1]:.4g} to {index[-1][1]:.4g} s; "
+                            "output.snapshot_times asks for more")
     return list(dict.fromkeys(chosen))
 
 
@@ -148,17 +149,22 @@ def draw(path, run, pictures, colour, label, names):
     plt.close(figure)
 
 
+def parser():
+    """The command line."""
+    line = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    line.add_argument("run", type=Path, help="output folder of a run")
+    line.add_argument("--times", type=float, nargs="+", default=[], help="process times [s] (default: the last)")
+    line.add_argument("--plane", nargs="+", choices=("longitudinal", "top"), default=["longitudinal"])
+    line.add_argument("--colour", nargs="+", default=["material"], help="fields of the snapshots (default material)")
+    line.add_argument("--below", type=float, default=0.0, help="of a top section: mm below the tool (default 0)")
+    line.add_argument("--height", type=float, help="of a top section: mm above z = 0, instead of --below")
+    line.add_argument("--thickness", type=float, help="of the slab in mm (default two spacings)")
+    line.add_argument("--output", type=Path, help="folder for the pictures (default RUN/pictures)")
+    return line
+
+
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("run", type=Path, help="output folder of a run")
-    parser.add_argument("--times", type=float, nargs="+", default=[], help="process times [s] (default: the last)")
-    parser.add_argument("--plane", nargs="+", choices=("longitudinal", "top"), default=["longitudinal"])
-    parser.add_argument("--colour", nargs="+", default=["material"], help="fields of the snapshots (default material)")
-    parser.add_argument("--below", type=float, default=0.0, help="of a top section: mm below the tool (default 0)")
-    parser.add_argument("--height", type=float, help="of a top section: mm above z = 0, instead of --below")
-    parser.add_argument("--thickness", type=float, help="of the slab in mm (default two spacings)")
-    parser.add_argument("--output", type=Path, help="folder for the pictures (default RUN/pictures)")
-    arguments = parser.parse_args()
+    arguments = parser().parse_args()
     output = arguments.output or arguments.run / "pictures"
     try:
         rows = nearest_snapshots(read_index(arguments.run), arguments.times)
