@@ -86,7 +86,8 @@ def picture_of(run, row, plane, colour, arguments, scene):
         raise PlotError(f"the snapshots hold no \"{colour}\" to colour by; they have {', '.join(known)}")
     if data[colour].ndim > 1:
         raise PlotError(f"\"{colour}\" has several components: choose a field of one component")
-    spacing = particle_spacing(points)
+    # Disorder shortens the distance to the nearest neighbour: the scene's own spacing is the size of a particle.
+    spacing = si(scene["numerics"]["spacing"]) if "numerics" in scene else particle_spacing(points)
     thickness = 1e-3 * arguments.thickness if arguments.thickness else 2 * spacing
     if plane == "top":
         if space != "cartesian3":

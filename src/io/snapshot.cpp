@@ -57,8 +57,13 @@ std::vector<float> rows_of(const Field& field, std::size_t owned, const std::vec
 }
 
 /// Which component of a field VTK expects in each column.
-std::vector<std::size_t> vtk_columns(Shape shape) {
+std::vector<std::size_t> vtk_columns(Shape shape, const SpaceLayout& layout) {
   if (shape == Shape::Scalar) return {0};
+  if (shape == Shape::Position) {
+    std::vector<std::size_t> columns(3, std::size_t(layout.dim));  // no such component: zero
+    for (int c = 0; c < layout.dim; ++c) columns[std::size_t(layout.axes[c])] = std::size_t(c);
+    return columns;
+  }
   if (shape == Shape::SymmetricTensor)
     return {0,
             1,
@@ -99,7 +104,7 @@ void write_field(Hdf5File& file, const ParticleSet& particles, const Field& fiel
     for (std::size_t i = 0; i < owned; ++i) values[i] = std::llround(field.components[0][i]);
     file.write_rows<std::int64_t>(dataset, values);
   } else {
-    const std::vector<std::size_t> columns = vtk_columns(field.info->shape);
+    const std::vector<std::size_t> columns = vtk_columns(field.info->shape, particles.layout());
     const auto width = static_cast<std::int64_t>(columns.size());
     file.write_rows<float>(dataset, rows_of(field, owned, columns), width > 1 ? width : 0);
   }
