@@ -12,6 +12,13 @@
 namespace stirsph {
 namespace {
 
+/// Whether a probe reads a particle field at all.
+bool reads_field(const ProbeScene& probe) {
+  using Kind = ProbeScene::Kind;
+  return probe.kind != Kind::ExtrudedLength && probe.kind != Kind::AngularSpread && probe.kind != Kind::Mixing &&
+         probe.rigid < 0;
+}
+
 /// Kernel interpolation with normalised weights (Shepard), so that a probe near a surface is not biased towards zero.
 double at_point(const Simulation& simulation, const ProbeScene& probe) {
   const ParticleSet& particles = simulation.particles();
@@ -123,13 +130,6 @@ std::vector<double> evaluate_probes(const Simulation& simulation) {
   return values;
 }
 
-/// Whether a probe reads a particle field at all.
-bool reads_field(const ProbeScene& probe) {
-  using Kind = ProbeScene::Kind;
-  return probe.kind != Kind::ExtrudedLength && probe.kind != Kind::AngularSpread && probe.kind != Kind::Mixing &&
-         probe.rigid < 0;
-}
-
 std::string unit_of(const Scene& scene, const std::string& name) {
   for (const DerivedQuantity& quantity : derived_quantities(scene))
     if (quantity.name == name) return std::string(quantity.unit);
@@ -153,18 +153,22 @@ std::string probe_unit(const Scene& scene, const ProbeScene& probe) {
 void check_field_names(const Simulation& simulation) {
   const Scene& scene = simulation.scene();
   const ParticleSet& particles = simulation.particles();
-  std::vector<std::string> known;
+  std::vector<std::string> known, in_snapshots;
   for (const auto& field : particles.fields()) known.emplace_back(field->info->name);
-  for (const DerivedQuantity& quantity : derived_quantities(scene)) known.emplace_back(quantity.name);
-  const auto check = [&](const std::string& user, const std::string& name) {
-    if (std::find(known.begin(), known.end(), name) == known.end())
+  in_snapshots = known;
+  for (const DerivedQuantity& quantity : derived_quantities(scene)) {
+    known.emplace_back(quantity.name);
+    if (quantity.snapshot) in_snapshots.emplace_back(quantity.name);
+  }
+  const auto check = [&](const std::string& user, const std::string& name, const std::vector<std::string>& names) {
+    if (std::find(names.begin(), names.end(), name) == names.end())
       throw InputError(scene.path + " " + user + ": this scene has no field \"" + name +
-                       "\". Known: " + input::joined(known) + "." + input::did_you_mean(name, known));
+                       "\". Known: " + input::joined(names) + "." + input::did_you_mean(name, names));
   };
-  for (const std::string& name : scene.output.fields) check("output.fields", name);
+  for (const std::string& name : scene.output.fields) check("output.fields", name, in_snapshots);
   for (const ProbeScene& probe : scene.probes) {
     if (!reads_field(probe)) continue;
-    check("probe \"" + probe.name + "\"", probe.field);
+    check("probe \"" + probe.name + "\"", probe.field, known);
     const Field* field = find_field(particles, probe.field);
     if (field && probe.component >= static_cast<int>(field->components.size()))
       throw InputError(scene.path + " probe \"" + probe.name + "\": component " + std::to_string(probe.component) +
@@ -173,7 +177,7 @@ void check_field_names(const Simulation& simulation) {
   }
   for (const TracerScene& tracer : scene.tracers)
     for (const std::string& name : tracer.fields) {
-      check("tracer \"" + tracer.name + "\"", name);
+      check("tracer \"" + tracer.name + "\"", name, known);
       if (const Field* field = find_field(particles, name); field && field->components.size() > 1)
         throw InputError(scene.path + " tracer \"" + tracer.name + "\": \"" + name + "\" has " +
                          std::to_string(field->components.size()) +

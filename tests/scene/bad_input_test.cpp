@@ -177,6 +177,10 @@ const std::vector<BadInput> bad_inputs{
      "[heat]",
      "[[tracer]]\nname = \"a/b\"\nset = \"end\"\ninterval = \"1 us\"\n[heat]",
      {"tracer[0].name = \"a/b\"", "file name"}},
+    {"snapshot of a coordinate",
+     "[heat]",
+     "[output]\nfields = [\"radius\"]\n[heat]",
+     {"output.fields", "no field \"radius\""}},
     {"empty set", "[\"1 mm\", \"9 mm\", \"9 mm\"]", "[\"0.2 mm\", \"9 mm\", \"9 mm\"]", {"set \"end\"", "no particle"}},
     {"not TOML", "spacing = \"1 mm\"", "spacing = 1 mm", {"scene", "3"}},
 };
