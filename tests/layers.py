@@ -21,7 +21,7 @@ LAYERS = {
     "mechanics": ["base", "input", "particles", "materials", "neighbours", "parallel"],
     "contact": ["base", "input", "particles", "geometry"],
     "thermal": ["base", "input", "particles", "geometry", "materials", "neighbours", "parallel"],
-    "microstructure": ["base", "input", "particles"],
+    "microstructure": ["base", "input", "particles", "materials"],
 }
 LAYERS["scene"] = list(LAYERS)
 LAYERS["driver"] = list(LAYERS)

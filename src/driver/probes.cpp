@@ -2,51 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 
+#include "driver/mixing.hpp"
+#include "driver/particle_values.hpp"
 #include "input/wording.hpp"
 #include "particles/field_names.hpp"
 
 namespace stirsph {
 namespace {
 
-const Field* find_field(const ParticleSet& particles, const std::string& name) {
-  for (const auto& field : particles.fields())
-    if (field->info->name == name) return field.get();
-  return nullptr;
-}
-
-/// The probed quantity of one particle.
-std::function<double(std::size_t)> value_of(const ParticleSet& particles, const ProbeScene& probe) {
-  if (probe.field == "von_mises" || probe.field == "pressure") {
-    const int components = particles.layout().stress_components;
-    std::vector<const double*> stress;
-    for (int c = 0; c < components; ++c) stress.push_back(particles.component(field::stress, c).data());
-    if (probe.field == "pressure")
-      return [stress](std::size_t i) { return -(stress[0][i] + stress[1][i] + stress[2][i]) / 3; };
-    return [stress](std::size_t i) {
-      const double mean = (stress[0][i] + stress[1][i] + stress[2][i]) / 3;
-      double sum = 0;
-      for (std::size_t c = 0; c < stress.size(); ++c) {
-        const double s = stress[c][i] - (c < 3 ? mean : 0);
-        sum += (c < 3 ? 1.5 : 3.0) * s * s;
-      }
-      return std::sqrt(sum);
-    };
-  }
-  const double* values = find_field(particles, probe.field)->components[probe.component].data();
-  return [values](std::size_t i) { return values[i]; };
-}
-
-bool in_set(const ParticleSet& particles, int set, std::size_t i) {
-  return set < 0 || (static_cast<std::uint64_t>(particles[field::sets][i]) >> set & 1);
+/// Whether a probe reads a particle field at all.
+bool reads_field(const ProbeScene& probe) {
+  using Kind = ProbeScene::Kind;
+  return probe.kind != Kind::ExtrudedLength && probe.kind != Kind::AngularSpread && probe.kind != Kind::Mixing &&
+         probe.rigid < 0;
 }
 
 /// Kernel interpolation with normalised weights (Shepard), so that a probe near a surface is not biased towards zero.
 double at_point(const Simulation& simulation, const ProbeScene& probe) {
   const ParticleSet& particles = simulation.particles();
-  const auto value = value_of(particles, probe);
+  const auto value = particle_value(simulation, probe.field, probe.component);
   const auto h = particles[field::smoothing_length], volume = particles[field::volume];
   const int dim = particles.layout().dim;
   double weight_sum = 0, sum = 0;
@@ -75,8 +51,8 @@ double in_rigid_body(const Simulation& simulation, const ProbeScene& probe) {
 
 double over_set(const Simulation& simulation, const ProbeScene& probe) {
   const ParticleSet& particles = simulation.particles();
-  const auto value = value_of(particles, probe);
-  double sum = 0, least = std::numeric_limits<double>::infinity(), most = -least;
+  const auto value = particle_value(simulation, probe.field, probe.component);
+  double sum = 0, squares = 0, least = std::numeric_limits<double>::infinity(), most = -least;
   std::int64_t count = 0;
   for (std::size_t i = 0; i < particles.owned(); ++i) {
     if (!in_set(particles, probe.set, i)) continue;
@@ -92,6 +68,13 @@ double over_set(const Simulation& simulation, const ProbeScene& probe) {
   switch (probe.kind) {
     case ProbeScene::Kind::Average:
       return comm.sum(sum) / static_cast<double>(all);
+    case ProbeScene::Kind::Deviation: {
+      // About the mean: the difference of large sums would lose small deviations.
+      const double mean = comm.sum(sum) / static_cast<double>(all);
+      for (std::size_t i = 0; i < particles.owned(); ++i)
+        if (in_set(particles, probe.set, i)) squares += std::pow(value(i) - mean, 2);
+      return std::sqrt(comm.sum(squares) / static_cast<double>(all));
+    }
     case ProbeScene::Kind::Minimum:
       return comm.min(least);
     case ProbeScene::Kind::Maximum:
@@ -135,46 +118,71 @@ std::vector<double> evaluate_probes(const Simulation& simulation) {
       case ProbeScene::Kind::ExtrudedLength:
         values.push_back(extruded_length(simulation, probe.rigid));
         break;
+      case ProbeScene::Kind::AngularSpread:
+        values.push_back(angular_spread(simulation, probe.set));
+        break;
+      case ProbeScene::Kind::Mixing:
+        values.push_back(mixing_index(simulation, probe.set, probe.by_body));
+        break;
       default:
         values.push_back(over_set(simulation, probe));
     }
   return values;
 }
 
-std::string probe_unit(const Scene& scene, const ProbeScene& probe) {
-  if (probe.kind == ProbeScene::Kind::ExtrudedLength) return "m";
-  if (probe.rigid >= 0) return "K";
-  if (probe.field == "von_mises" || probe.field == "pressure") return "Pa";
+std::string unit_of(const Scene& scene, const std::string& name) {
+  for (const DerivedQuantity& quantity : derived_quantities(scene))
+    if (quantity.name == name) return std::string(quantity.unit);
   // The names are known from the declarations; a scene without that field is refused in check_field_names.
   ParticleSet all(layout_of(scene.space));
   Neighbourhood::add_fields(all);
   make_mechanics(scene.space, scene.numerics, scene.materials)->add_fields(all);
   HeatSolver::add_fields(all);
-  const Field* field = find_field(all, probe.field);
+  GrainEvolution::add_fields(all);
+  all.add(field::initial_position);
+  const Field* field = find_field(all, name);
   return field ? std::string(field->info->unit) : "1";
+}
+
+std::string probe_unit(const Scene& scene, const ProbeScene& probe) {
+  if (reads_field(probe)) return unit_of(scene, probe.field);
+  if (probe.kind == ProbeScene::Kind::ExtrudedLength) return "m";
+  return probe.rigid >= 0 ? "K" : "1";
 }
 
 void check_field_names(const Simulation& simulation) {
   const Scene& scene = simulation.scene();
   const ParticleSet& particles = simulation.particles();
-  std::vector<std::string> known;
+  std::vector<std::string> known, in_snapshots;
   for (const auto& field : particles.fields()) known.emplace_back(field->info->name);
-  if (simulation.mechanics()) known.insert(known.end(), {"von_mises", "pressure"});
-  const auto check = [&](const std::string& user, const std::string& name) {
-    if (std::find(known.begin(), known.end(), name) == known.end())
+  in_snapshots = known;
+  for (const DerivedQuantity& quantity : derived_quantities(scene)) {
+    known.emplace_back(quantity.name);
+    if (quantity.snapshot) in_snapshots.emplace_back(quantity.name);
+  }
+  const auto check = [&](const std::string& user, const std::string& name, const std::vector<std::string>& names) {
+    if (std::find(names.begin(), names.end(), name) == names.end())
       throw InputError(scene.path + " " + user + ": this scene has no field \"" + name +
-                       "\". Known: " + input::joined(known) + "." + input::did_you_mean(name, known));
+                       "\". Known: " + input::joined(names) + "." + input::did_you_mean(name, names));
   };
-  for (const std::string& name : scene.output.fields) check("output.fields", name);
+  for (const std::string& name : scene.output.fields) check("output.fields", name, in_snapshots);
   for (const ProbeScene& probe : scene.probes) {
-    if (probe.kind == ProbeScene::Kind::ExtrudedLength || probe.rigid >= 0) continue;
-    check("probe \"" + probe.name + "\"", probe.field);
+    if (!reads_field(probe)) continue;
+    check("probe \"" + probe.name + "\"", probe.field, known);
     const Field* field = find_field(particles, probe.field);
     if (field && probe.component >= static_cast<int>(field->components.size()))
       throw InputError(scene.path + " probe \"" + probe.name + "\": component " + std::to_string(probe.component) +
                        " of \"" + probe.field + "\" does not exist; it has " +
                        std::to_string(field->components.size()) + ".");
   }
+  for (const TracerScene& tracer : scene.tracers)
+    for (const std::string& name : tracer.fields) {
+      check("tracer \"" + tracer.name + "\"", name, known);
+      if (const Field* field = find_field(particles, name); field && field->components.size() > 1)
+        throw InputError(scene.path + " tracer \"" + tracer.name + "\": \"" + name + "\" has " +
+                         std::to_string(field->components.size()) +
+                         " components. Allowed: fields of one component; the position is always recorded.");
+    }
 }
 
 }  // namespace stirsph

@@ -13,7 +13,10 @@ std::vector<double> evaluate_probes(const Simulation& simulation);
 /// SI unit of a probe's value.
 std::string probe_unit(const Scene& scene, const ProbeScene& probe);
 
-/// Throws InputError for probes and snapshots of fields the scene does not have.
+/// SI unit of a particle field or derived quantity.
+std::string unit_of(const Scene& scene, const std::string& name);
+
+/// Throws InputError for probes, tracers and snapshots of fields the scene does not have.
 void check_field_names(const Simulation& simulation);
 
 /// Length [m] of unbroken material beyond a rigid body's reference point, against its direction of motion: bins one

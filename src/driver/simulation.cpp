@@ -92,6 +92,7 @@ void Simulation::step() {
   }
   if (!mechanics_) guarded([&] { move_rigids(dt); });
   if (scene_.heat.mode != HeatScene::Mode::Off) advance_heat(dt);
+  if (grains_) grains_->update(particles_, clock_.time, clock_.time + dt);
   clock_.time += dt;
   clock_.step += 1;
   list_upkeep_.steps += 1;

@@ -167,6 +167,7 @@ class Simulation {
   std::unique_ptr<Mechanics> mechanics_;
   std::unique_ptr<Contact> contact_;
   std::unique_ptr<HeatSolver> heat_;
+  std::unique_ptr<GrainEvolution> grains_;
   std::unique_ptr<StepVote> vote_;
   std::vector<RigidBody> rigids_;
   std::vector<RigidMotion> motions_;

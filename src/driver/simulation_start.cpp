@@ -32,6 +32,7 @@ Simulation::Simulation(Comm comm, Scene scene)
     for (const Material& material : scene_.materials) thermal.push_back(material.thermal);
     heat_ = std::make_unique<HeatSolver>(comm_, scene_.numerics.kernel, layout_of(scene_.space).dim, settings, thermal);
   }
+  if (scene_.microstructure) grains_ = std::make_unique<GrainEvolution>(*scene_.microstructure, grain_laws(scene_));
   vote_ = std::make_unique<StepVote>(comm_, 6 * scene_.rigids.size());
   prepare_rigids();
   build_contact();
@@ -52,7 +53,8 @@ void Simulation::add_fields() {
       if (rigid.heat.pressure_conductance > 0) particles_.add(field::rigid_impulse, count);
   }
   if (!scene_.sets.empty()) particles_.add(field::sets);
-  if (!scene_.grips.empty()) particles_.add(field::initial_position);
+  if (!scene_.grips.empty() || scene_.output.initial_position) particles_.add(field::initial_position);
+  if (grains_) GrainEvolution::add_fields(particles_);
 }
 
 BilletStiffness Simulation::billet_stiffness(const RigidScene& rigid) const {
@@ -260,6 +262,7 @@ void Simulation::start() {
   particle_count_ = comm_.sum(static_cast<std::int64_t>(particles_.owned()));
   refuse_empty_sets();
   if (mechanics_) mechanics_->initialise(particles_);
+  if (grains_) grains_->initialise(particles_);
   refuse_overlaps();
 
   const double support = comm_.max(mechanics_ ? mechanics_->support(particles_)

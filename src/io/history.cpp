@@ -100,15 +100,18 @@ History History::resume(bool writes, const std::string& path, const std::vector<
 
 void History::write(double time, const std::vector<double>& values) {
   if (!file_) return;
-  STIRSPH_EXPECT(values.size() == columns_, "a row has one value per column");
+  STIRSPH_EXPECT(values.size() % columns_ == 0, "a row has one value per column");
   char number[40];
   std::snprintf(number, sizeof number, "%.15g", time);
-  std::string row = number;
-  for (const double value : values) {
-    std::snprintf(number, sizeof number, ",%.10g", value);
-    row += number;
+  const std::string head = number;
+  std::string rows;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (k % columns_ == 0) rows += head;
+    std::snprintf(number, sizeof number, ",%.10g", values[k]);
+    rows += number;
+    if (k % columns_ == columns_ - 1) rows += "\n";
   }
-  put(row + "\n");
+  put(rows);
 }
 
 }  // namespace stirsph

@@ -25,7 +25,8 @@ class History {
   /// the restarted run will write again) and appends. A missing file is begun anew.
   static History resume(bool writes, const std::string& path, const std::vector<HistoryColumn>& columns, double time);
 
-  /// Appends one row and hands it to the system at once, so that it can be read while the run goes on.
+  /// Appends the values, one or more rows of this time, and hands them to the system at once, so that they can be read
+  /// while the run goes on.
   void write(double time, const std::vector<double>& values);
 
  private:

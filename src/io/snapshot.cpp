@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 
 /// Fields whose values name something; single precision would merge large ones.
 bool holds_whole_numbers(std::string_view name) {
-  constexpr std::array names{field::id.name, field::body.name, field::material.name, field::sets.name};
+  constexpr std::array names{field::id.name, field::body.name, field::material.name, field::sets.name,
+                             field::recrystallised.name};
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
@@ -56,8 +57,13 @@ std::vector<float> rows_of(const Field& field, std::size_t owned, const std::vec
 }
 
 /// Which component of a field VTK expects in each column.
-std::vector<std::size_t> vtk_columns(Shape shape) {
+std::vector<std::size_t> vtk_columns(Shape shape, const SpaceLayout& layout) {
   if (shape == Shape::Scalar) return {0};
+  if (shape == Shape::Position) {
+    std::vector<std::size_t> columns(3, std::size_t(layout.dim));  // no such component: zero
+    for (int c = 0; c < layout.dim; ++c) columns[std::size_t(layout.axes[c])] = std::size_t(c);
+    return columns;
+  }
   if (shape == Shape::SymmetricTensor)
     return {0,
             1,
@@ -98,7 +104,7 @@ void write_field(Hdf5File& file, const ParticleSet& particles, const Field& fiel
     for (std::size_t i = 0; i < owned; ++i) values[i] = std::llround(field.components[0][i]);
     file.write_rows<std::int64_t>(dataset, values);
   } else {
-    const std::vector<std::size_t> columns = vtk_columns(field.info->shape);
+    const std::vector<std::size_t> columns = vtk_columns(field.info->shape, particles.layout());
     const auto width = static_cast<std::int64_t>(columns.size());
     file.write_rows<float>(dataset, rows_of(field, owned, columns), width > 1 ? width : 0);
   }
@@ -113,11 +119,13 @@ std::string snapshot_path(const std::string& folder, int number) {
   return (fs::path(folder) / name).string();
 }
 
-SnapshotSeries::SnapshotSeries(const Comm& comm, const std::string& folder, const std::vector<std::string>& fields)
-    : comm_(comm), folder_(folder), fields_(fields) {}
+SnapshotSeries::SnapshotSeries(const Comm& comm, const std::string& folder, const std::vector<std::string>& fields,
+                               std::string_view also)
+    : comm_(comm), folder_(folder), fields_(fields), also_(also) {}
 
 bool SnapshotSeries::selected(const FieldInfo& info) const {
   if (info.name == field::position.name) return false;  // it is the geometry
+  if (info.name == also_) return true;
   if (fields_.empty()) return info.snapshot;
   return std::find(fields_.begin(), fields_.end(), info.name) != fields_.end();
 }

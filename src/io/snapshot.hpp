@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/comm.hpp"
@@ -24,8 +25,10 @@ struct DerivedField {
 /// materials) 64-bit integers, symmetric tensors in VTK's order xx yy zz xy yz xz.
 class SnapshotSeries {
  public:
-  /// `fields` names the fields to write, empty for those declared with snapshot = true. The position is always written.
-  SnapshotSeries(const Comm& comm, const std::string& folder, const std::vector<std::string>& fields = {});
+  /// `fields` names the fields to write, empty for those declared with snapshot = true; `also` (if not empty) one more.
+  /// The position is always written.
+  SnapshotSeries(const Comm& comm, const std::string& folder, const std::vector<std::string>& fields = {},
+                 std::string_view also = {});
 
   /// Collective. After a restart at `time` [s]: continues the numbering behind the snapshots up to that time and
   /// forgets later ones, which will be overwritten. `time_tolerance` [s] should be a fraction of a time step.
@@ -53,6 +56,7 @@ class SnapshotSeries {
   Comm comm_;
   std::string folder_;
   std::vector<std::string> fields_;
+  std::string also_;
   std::vector<Entry> entries_;
 };
 

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "input/parameters.hpp"
 #include "materials/flow_stress.hpp"
+#include "materials/grain_law.hpp"
 #include "materials/thermal_properties.hpp"
 
 namespace stirsph {
@@ -21,6 +23,7 @@ struct Material {
   ThermalProperties thermal;
   double taylor_quinney = 0.9;  ///< share of plastic work that becomes heat (eq. 13)
   bool has_thermal = false;
+  std::optional<GrainLaw> grain;
 
   double shear_modulus() const { return youngs_modulus / (2 * (1 + poisson_ratio)); }
   double bulk_modulus() const { return youngs_modulus / (3 * (1 - 2 * poisson_ratio)); }

@@ -37,6 +37,28 @@ const Models& models() {
   return table;
 }
 
+void declare_grain_law(input::Schema& s) {
+  s.real("activation_energy", "Q of the Zener-Hollomon parameter Z = rate exp(Q/(R T))").unit("J/mol").positive();
+  s.real("intercept", "of d^exponent = intercept + slope ln Z, d the grain diameter in um, rate in 1/s");
+  s.real("slope", "see intercept").positive();
+  s.real("exponent", "see intercept").range(-10, -0.1);
+  s.real("initial_grain_size", "diameter before any recrystallisation").unit("m").positive();
+  s.real("hardness_intercept", "of HV = hardness_intercept + hardness_slope d^-1/2, d in um").not_negative();
+  s.real("hardness_slope", "see hardness_intercept").not_negative();
+}
+
+GrainLaw make_grain_law(const input::Parameters& p) {
+  GrainLaw law;
+  law.activation_energy = p.real("activation_energy");
+  law.intercept = p.real("intercept");
+  law.slope = p.real("slope");
+  law.exponent = p.real("exponent");
+  law.initial_grain_size = p.real("initial_grain_size");
+  law.hardness_intercept = p.real("hardness_intercept");
+  law.hardness_slope = p.real("hardness_slope");
+  return law;
+}
+
 }  // namespace
 
 const std::map<std::string, input::Schema>& flow_stress_schemas() { return models().schemas; }
@@ -64,6 +86,7 @@ const input::Schema& material_schema() {
         .positive()
         .by_default("2000 K");
     thermal.real("taylor_quinney", "share of plastic work that becomes heat").range(0, 1).by_default(0.9);
+    declare_grain_law(s.table("microstructure", "grain size after recrystallisation, and hardness", true));
     return s;
   }();
   return schema;
@@ -91,6 +114,7 @@ Material make_material(const input::Parameters& p) {
         thermal.fail("conductivity", "conductivity or specific heat is not positive at " + std::to_string(t) +
                                          " K; narrow lowest_temperature .. highest_temperature");
   }
+  if (p.has("microstructure")) material.grain = make_grain_law(p.table("microstructure"));
   return material;
 }
 

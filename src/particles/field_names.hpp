@@ -61,6 +61,22 @@ inline constexpr FieldInfo plastic_strain_rate{"plastic_strain_rate",
 inline constexpr FieldInfo flow_stress{"flow_stress", "Pa",       "current flow stress sigma_y",
                                        Shape::Scalar, Halo::None, true};
 
+// microstructure
+inline constexpr FieldInfo strain_at_window_start{"strain_at_window_start", "1",
+                                                  "equivalent plastic strain when the present averaging window began"};
+inline constexpr FieldInfo strain_rate_average{"strain_rate_average",
+                                               "1/s",
+                                               "equivalent plastic strain rate, mean over the last complete window",
+                                               Shape::Scalar,
+                                               Halo::None,
+                                               true,
+                                               true};
+inline constexpr FieldInfo grain_size{
+    "grain_size", "m", "grain diameter of the last recrystallisation, or initial", Shape::Scalar, Halo::None,
+    true,         true};
+inline constexpr FieldInfo recrystallised{
+    "recrystallised", "1", "1 where the material has recrystallised, else 0", Shape::Scalar, Halo::None, true, true};
+
 // heat
 inline constexpr FieldInfo temperature{"temperature", "K", "temperature", Shape::Scalar, Halo::Thermal, true, true};
 inline constexpr FieldInfo heat_input{"heat_input", "J", "plastic and friction heat since the last heat solve",

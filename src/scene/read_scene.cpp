@@ -6,6 +6,7 @@
 
 #include "geometry/shape_input.hpp"
 #include "input/wording.hpp"
+#include "particles/field_names.hpp"
 #include "scene/scene.hpp"
 
 namespace stirsph {
@@ -411,6 +412,17 @@ void read_contacts(const Parameters& root, Scene& scene) {
   }
 }
 
+/// Nothing can be mixed with itself.
+void refuse_one_component(const Parameters& p, const ProbeScene& probe, const Scene& scene) {
+  std::set<int> components;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b)
+    if (probe.set < 0 || scene.sets[probe.set].bodies[b])
+      components.insert(probe.by_body ? static_cast<int>(b) : scene.bodies[b].material);
+  if (components.size() < 2)
+    p.fail("by", "the particles of this probe are all of one " + p.text("by") +
+                     ". Allowed: a set (or scene) of two or more; by = \"body\" tells bodies of one material apart.");
+}
+
 void read_sets_and_probes(const Parameters& root, Scene& scene) {
   for (const Parameters& p : root.tables("set")) {
     refuse_duplicate(p, p.text("name"), scene.sets);
@@ -433,13 +445,12 @@ void read_sets_and_probes(const Parameters& root, Scene& scene) {
     ProbeScene probe;
     refuse_duplicate(p, p.text("name"), scene.probes);
     probe.name = p.text("name");
-    const std::map<std::string, ProbeScene::Kind> kinds{{"point", ProbeScene::Kind::Point},
-                                                        {"average", ProbeScene::Kind::Average},
-                                                        {"minimum", ProbeScene::Kind::Minimum},
-                                                        {"maximum", ProbeScene::Kind::Maximum},
-                                                        {"sum", ProbeScene::Kind::Sum},
-                                                        {"extent", ProbeScene::Kind::Extent},
-                                                        {"extruded_length", ProbeScene::Kind::ExtrudedLength}};
+    const std::map<std::string, ProbeScene::Kind> kinds{
+        {"point", ProbeScene::Kind::Point},         {"average", ProbeScene::Kind::Average},
+        {"deviation", ProbeScene::Kind::Deviation}, {"minimum", ProbeScene::Kind::Minimum},
+        {"maximum", ProbeScene::Kind::Maximum},     {"sum", ProbeScene::Kind::Sum},
+        {"extent", ProbeScene::Kind::Extent},       {"angular_spread", ProbeScene::Kind::AngularSpread},
+        {"mixing", ProbeScene::Kind::Mixing},       {"extruded_length", ProbeScene::Kind::ExtrudedLength}};
     probe.kind = kinds.at(p.text("kind"));
     probe.field = p.text("field");
     probe.component = static_cast<int>(p.integer("component"));
@@ -459,7 +470,39 @@ void read_sets_and_probes(const Parameters& root, Scene& scene) {
       if (!p.has("rigid")) p.fail("kind", "extruded_length needs the name of the rigid tool.");
       probe.rigid = index_of(p, "rigid", p.text("rigid"), scene.rigids);
     }
+    if (probe.kind == ProbeScene::Kind::AngularSpread && layout_of(scene.space).axisymmetric())
+      p.fail("kind", "an axisymmetric particle is a ring and has no angle. Use another kind or another space.");
+    if (probe.kind == ProbeScene::Kind::Mixing) {
+      probe.by_body = p.text("by") == "body";
+      refuse_one_component(p, probe, scene);
+    }
     scene.probes.push_back(std::move(probe));
+  }
+}
+
+void read_microstructure(const Parameters& root, Scene& scene) {
+  if (!root.has("microstructure")) return;
+  const Parameters p = root.table("microstructure");
+  if (!scene.mechanics)
+    root.fail("mechanics", "[microstructure] follows from plastic flow: it needs mechanics = true.");
+  for (const BodyScene& body : scene.bodies)
+    if (const Material& material = scene.materials[body.material]; !material.grain)
+      p.fail("", "the material \"" + material.name + "\" of body \"" + body.name +
+                     "\" has no [microstructure] table in its data file. Add one (materials/aa2024_t351.toml shows "
+                     "how) or leave [microstructure] out of the scene.");
+  scene.microstructure = RecrystallisationRule{p.real("window"), p.real("least_rate"), p.real("least_temperature"),
+                                               p.real("renewal_strain")};
+}
+
+void read_tracers(const Parameters& root, Scene& scene) {
+  for (const Parameters& p : root.tables("tracer")) {
+    refuse_duplicate(p, p.text("name"), scene.tracers);
+    TracerScene tracer{
+        p.text("name"), index_of(p, "set", p.text("set"), scene.sets), p.real("interval"), p.integer("every_nth"), {}};
+    if (tracer.name.empty() || tracer.name.find('/') != std::string::npos)
+      p.fail("name", "it becomes part of a file name: it must not be empty or contain \"/\".");
+    if (p.has("fields")) tracer.fields = p.texts("fields");
+    scene.tracers.push_back(std::move(tracer));
   }
 }
 
@@ -495,7 +538,10 @@ void read_heat_and_output(const Parameters& root, Scene& scene) {
   scene.output.checkpoint_wall = out.real("checkpoint_wall_interval");
   scene.output.checkpoint_steps = out.integer("checkpoint_steps");
   scene.output.progress_wall = out.real("progress_wall_interval");
+  if (out.has("snapshot_times")) scene.output.snapshot_times = out.reals("snapshot_times");
   if (out.has("fields")) scene.output.fields = out.texts("fields");
+  scene.output.initial_position = root.table("tracking").boolean("initial_position") ||
+                                  std::ranges::count(scene.output.fields, field::initial_position.name) > 0;
 
   const Parameters limits = root.table("limits");
   scene.limits.penetration = limits.real("penetration");
@@ -518,6 +564,8 @@ Scene make_scene(const Parameters& root, const std::string& path) {
   read_rigids(root, scene);
   read_contacts(root, scene);
   read_sets_and_probes(root, scene);
+  read_microstructure(root, scene);
+  read_tracers(root, scene);
   scene.body_force = vector_expression(root, "body_force");
   read_heat_and_output(root, scene);
   if (scene.target_step > 0) {
@@ -533,6 +581,12 @@ Scene make_scene(const Parameters& root, const std::string& path) {
 }
 
 }  // namespace
+
+std::vector<GrainLaw> grain_laws(const Scene& scene) {
+  std::vector<GrainLaw> laws;
+  for (const Material& material : scene.materials) laws.push_back(material.grain.value_or(GrainLaw{}));
+  return laws;
+}
 
 Scene read_scene(const std::string& path, const std::vector<std::string>& overrides) {
   return make_scene(input::parse_file(path, scene_schema(), overrides), path);

@@ -13,6 +13,7 @@
 #include "input/parameters.hpp"
 #include "materials/material.hpp"
 #include "mechanics/settings.hpp"
+#include "microstructure/grain_evolution.hpp"
 #include "parallel/domain.hpp"
 #include "particles/space.hpp"
 
@@ -147,12 +148,33 @@ struct GripScene {
 };
 
 struct ProbeScene {
-  enum class Kind { Point, Average, Minimum, Maximum, Sum, Extent, ExtrudedLength } kind;
+  enum class Kind {
+    Point,
+    Average,
+    Deviation,
+    Minimum,
+    Maximum,
+    Sum,
+    Extent,
+    AngularSpread,
+    Mixing,
+    ExtrudedLength
+  } kind;
   std::string name, field;
   int component = 0;
   int set = -1;  ///< -1: all particles
   Vec3 position;
   int rigid = -1;
+  bool by_body = false;  ///< mixing of bodies instead of materials
+};
+
+/// Paths of the particles of a set, written at an interval of their own.
+struct TracerScene {
+  std::string name;
+  int set = 0;
+  double interval = 0;  ///< s
+  std::int64_t every_nth = 1;
+  std::vector<std::string> fields;  ///< recorded besides the position; empty = the usual ones
 };
 
 struct HeatScene {
@@ -182,7 +204,9 @@ struct OutputScene {
   std::int64_t checkpoint_steps = 0;
   double progress_wall = 5;  ///< s between progress lines
   std::int64_t history_steps = 0;
-  std::vector<std::string> fields;  ///< empty = those marked for snapshots
+  std::vector<double> snapshot_times;  ///< s, besides the interval
+  std::vector<std::string> fields;     ///< empty = those marked for snapshots
+  bool initial_position = false;       ///< recorded at the start and written to snapshots
 };
 
 struct LimitScene {
@@ -202,6 +226,7 @@ struct Scene {
   Domain domain;
   TimeScene time;
   HeatScene heat;
+  std::optional<RecrystallisationRule> microstructure;
   OutputScene output;
   LimitScene limits;
   std::array<OptionalExpression, 3> body_force;  ///< m/s2, of t
@@ -212,7 +237,11 @@ struct Scene {
   std::vector<SetScene> sets;
   std::vector<GripScene> grips;
   std::vector<ProbeScene> probes;
+  std::vector<TracerScene> tracers;
 };
+
+/// The grain laws by material index, for a scene with microstructure.
+std::vector<GrainLaw> grain_laws(const Scene& scene);
 
 /// Every key a scene file may hold.
 const input::Schema& scene_schema();

@@ -298,20 +298,66 @@ void declare_sets_and_probes(Schema& s) {
   Schema& probe = s.tables("probe", "a value recorded in the history");
   probe.text("name", "column name");
   probe.choice(
-      "kind", {"point", "average", "minimum", "maximum", "sum", "extent", "extruded_length"},
-      "point: kernel interpolation at a position; average .. sum: over a set; extent: largest coordinate less the "
-      "smallest; extruded_length: length of the unbroken material beyond a rigid body's reference point");
-  probe.text("field", "name of a particle field; stress also as von_mises or pressure").by_default("temperature");
+      "kind",
+      {"point", "average", "deviation", "minimum", "maximum", "sum", "extent", "angular_spread", "mixing",
+       "extruded_length"},
+      "point: kernel interpolation at a position; average .. sum: over a set, deviation the standard deviation; "
+      "extent: "
+      "largest value less the smallest; angular_spread: of a set about the z axis, 0 at one angle, 1 evenly around; "
+      "mixing: Lacey's index of a set, 0 separated, 1 mixed at random (src/driver/README.md); extruded_length: length "
+      "of the unbroken material beyond a rigid body's reference point");
+  probe
+      .text(
+          "field",
+          "name of a particle field; also von_mises, pressure, hardness, radius (distance from the z axis), height (z)")
+      .by_default("temperature");
   probe.integer("component", "component of a vector or tensor field (x y z; xx yy zz xy xz yz)")
       .range(0, 5)
       .by_default("0");
   probe.text("set", "name of a set; all particles when missing").optional();
+  probe.choice("by", {"material", "body"}, "of mixing: what is mixed").by_default("material");
   probe.reals("position", "of a point probe").unit("m").count(2, 3).optional();
   probe
       .text("rigid",
             "rigid body of extruded_length; of a point: its temperature there, the position being where it was at the "
             "start")
       .optional();
+}
+
+void declare_tracking(Schema& s) {
+  Schema& rule =
+      s.table("microstructure",
+              "grain size and hardness as fields; the materials need [microstructure] in their data files", true);
+  rule.real("window", "process time over which the plastic strain rate is averaged")
+      .unit("s")
+      .positive()
+      .by_default("50 ms");
+  rule.real("least_rate", "average plastic strain rate from which on a particle recrystallises")
+      .unit("1/s")
+      .positive()
+      .by_default("0.1 1/s");
+  rule.real("least_temperature", "temperature from which on a particle recrystallises")
+      .unit("K")
+      .positive()
+      .by_default("500 K");
+  rule.real("renewal_strain", "plastic strain over which new grains replace the old ones; 0: at once")
+      .not_negative()
+      .by_default(0.0);
+
+  Schema& tracer = s.tables("tracer", "paths of particles, written to tracer_NAME.csv");
+  tracer.text("name", "name of the file");
+  tracer.text("set", "name of the set whose particles are followed");
+  tracer.real("interval", "process time between records").unit("s").positive();
+  tracer.integer("every_nth", "follow only every n-th particle of the set, by id").range(1, 1e9).by_default("1");
+  tracer
+      .texts("fields",
+             "one-component fields recorded besides id and position; material, temperature and "
+             "equivalent_plastic_strain when missing")
+      .optional();
+
+  Schema& tracking = s.table("tracking", "where the material came from");
+  tracking.boolean("initial_position", "the position at the start is kept and written to snapshots")
+      .by_default("false");
 }
 
 void declare_heat_and_output(Schema& s) {
@@ -348,6 +394,12 @@ void declare_heat_and_output(Schema& s) {
       .unit("s")
       .not_negative()
       .by_default("0 s");
+  output
+      .reals("snapshot_times",
+             "process times of further snapshots, each at the step nearest to it; those after the end never come")
+      .unit("s")
+      .not_negative()
+      .optional();
   output.texts("fields", "fields in snapshots; the usual ones when missing").optional();
   output.real("checkpoint_wall_interval", "wall time between checkpoints; 0: off")
       .unit("s")
@@ -390,6 +442,7 @@ const input::Schema& scene_schema() {
     declare_rigids(s);
     declare_contacts(s);
     declare_sets_and_probes(s);
+    declare_tracking(s);
     declare_vector_expression(s, "body_force", "m/s2", {"t"},
                               "body force per physical mass, quantities or formulas of t");
     declare_heat_and_output(s);

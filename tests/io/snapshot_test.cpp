@@ -71,6 +71,34 @@ TEST(Snapshot, HasTheStructureOfVtkHdf) {
   EXPECT_FALSE(file.has("VTKHDF/PointData/stress_deviator"));  // not among those written by default
 }
 
+/// A ring stands at (r, 0, z), wherever it is and wherever it began; one further field is written when asked for.
+TEST(Snapshot, AxisymmetricPositionsLieInTheHalfPlane) {
+  const Comm world;
+  const ScratchFolder folder;
+  ParticleSet particles(layout_of<AxisymmetricSwirl>());
+  add_fields(particles);
+  particles.add(field::initial_position);
+  fill(particles, 5, 5.0 * world.rank());
+  for (std::size_t i = 0; i < 5; ++i) {
+    particles.component(field::initial_position, 0)[i] = 2;
+    particles.component(field::initial_position, 1)[i] = 7;
+  }
+  SnapshotSeries usual(world, folder.path());
+  EXPECT_FALSE(
+      Hdf5File(world, usual.write(particles, 0, 0), Hdf5File::Mode::Read).has("VTKHDF/PointData/initial_position"));
+  SnapshotSeries series(world, folder.path(), {}, field::initial_position.name);
+  Hdf5File file(world, series.write(particles, 0, 0), Hdf5File::Mode::Read);
+  EXPECT_TRUE(file.has("VTKHDF/PointData/temperature")) << "besides the usual ones";
+  const auto points = file.read_replicated<float>("VTKHDF/Points"),
+             start = file.read_replicated<float>("VTKHDF/PointData/initial_position");
+  ASSERT_EQ(start.size(), points.size());
+  for (std::size_t k = 0; k < start.size(); k += 3) {
+    EXPECT_EQ(points[k + 1], 0);
+    EXPECT_NE(points[k + 2], 0);
+    EXPECT_TRUE(start[k] == 2 && start[k + 1] == 0 && start[k + 2] == 7);
+  }
+}
+
 TEST(Snapshot, PlaneStrainIsWrittenAsThreeDimensions) {
   const Comm world;
   const ScratchFolder folder;

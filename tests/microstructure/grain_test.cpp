@@ -7,8 +7,19 @@
 #include <cstdio>
 #include <limits>
 
+#include "materials/material.hpp"
+
 namespace stirsph {
 namespace {
+
+/// The paper's constants, from the file that a scene would read.
+const GrainLaw& law() {
+  static const GrainLaw paper =
+      *make_material(
+           input::parse_file(std::string(STIRSPH_SOURCE_DIR) + "/inputs/materials/aa2024_t351.toml", material_schema()))
+           .grain;
+  return paper;
+}
 
 struct Row {
   double rate, temperature, log_z, grain, hardness;
@@ -26,10 +37,10 @@ TEST(Grain, TableOfTheCatalogue) {
   constexpr double tolerance = 1e-5;
   double worst = 0;
   for (const Row& row : table) {
-    const double log_z = log_zener_hollomon(row.rate, row.temperature);
-    const auto grain = recrystallised_grain_size(row.rate, row.temperature);
+    const double log_z = log_zener_hollomon(law(), row.rate, row.temperature);
+    const auto grain = recrystallised_grain_size(law(), row.rate, row.temperature);
     ASSERT_TRUE(grain.has_value()) << row.rate << " 1/s, " << row.temperature << " K";
-    const double hardness = hall_petch_hardness(*grain);
+    const double hardness = hall_petch_hardness(law(), *grain);
     EXPECT_NEAR(log_z, row.log_z, tolerance * row.log_z);
     EXPECT_NEAR(*grain, row.grain, tolerance * row.grain);
     EXPECT_NEAR(hardness, row.hardness, tolerance * row.hardness);
@@ -40,38 +51,38 @@ TEST(Grain, TableOfTheCatalogue) {
 }
 
 TEST(Grain, NotRecrystallisedWhereTheLawHasNoValue) {
-  EXPECT_FALSE(recrystallised_grain_size(0.0, 700).has_value());
-  EXPECT_FALSE(recrystallised_grain_size(-1.0, 700).has_value());
-  EXPECT_FALSE(recrystallised_grain_size(1.0, 0.0).has_value());
-  EXPECT_FALSE(recrystallised_grain_size(1.0, -5.0).has_value());
-  EXPECT_FALSE(recrystallised_grain_size(std::numeric_limits<double>::quiet_NaN(), 700).has_value());
-  EXPECT_FALSE(recrystallised_grain_size(1.0, std::numeric_limits<double>::quiet_NaN()).has_value());
+  EXPECT_FALSE(recrystallised_grain_size(law(), 0.0, 700).has_value());
+  EXPECT_FALSE(recrystallised_grain_size(law(), -1.0, 700).has_value());
+  EXPECT_FALSE(recrystallised_grain_size(law(), 1.0, 0.0).has_value());
+  EXPECT_FALSE(recrystallised_grain_size(law(), 1.0, -5.0).has_value());
+  EXPECT_FALSE(recrystallised_grain_size(law(), std::numeric_limits<double>::quiet_NaN(), 700).has_value());
+  EXPECT_FALSE(recrystallised_grain_size(law(), 1.0, std::numeric_limits<double>::quiet_NaN()).has_value());
   // ln Z = 0.1696/0.0153 = 11.08497 is where the law ends: 1.767e-4 1/s at 823.15 K.
-  EXPECT_FALSE(recrystallised_grain_size(1.766e-4, 823.15).has_value());
-  ASSERT_TRUE(recrystallised_grain_size(1.768e-4, 823.15).has_value());
+  EXPECT_FALSE(recrystallised_grain_size(law(), 1.766e-4, 823.15).has_value());
+  ASSERT_TRUE(recrystallised_grain_size(law(), 1.768e-4, 823.15).has_value());
 }
 
 TEST(Grain, NeverNotANumber) {
   int empty = 0, finite = 0;
   for (double rate = 1e-12; rate < 1e9; rate *= 3)
     for (double temperature = 100; temperature < 2000; temperature += 37) {
-      const auto grain = recrystallised_grain_size(rate, temperature);
+      const auto grain = recrystallised_grain_size(law(), rate, temperature);
       if (!grain) {
         empty += 1;
         continue;
       }
       finite += 1;
       EXPECT_TRUE(std::isfinite(*grain) && *grain > 0) << rate << " " << temperature;
-      EXPECT_TRUE(std::isfinite(hall_petch_hardness(*grain))) << rate << " " << temperature;
+      EXPECT_TRUE(std::isfinite(hall_petch_hardness(law(), *grain))) << rate << " " << temperature;
     }
   EXPECT_GT(empty, 0);
   EXPECT_GT(finite, 0);
 }
 
 TEST(Grain, FinerWhenFasterAndColder) {
-  EXPECT_LT(*recrystallised_grain_size(100, 700), *recrystallised_grain_size(10, 700));
-  EXPECT_LT(*recrystallised_grain_size(10, 650), *recrystallised_grain_size(10, 700));
-  EXPECT_GT(hall_petch_hardness(2), hall_petch_hardness(4));
+  EXPECT_LT(*recrystallised_grain_size(law(), 100, 700), *recrystallised_grain_size(law(), 10, 700));
+  EXPECT_LT(*recrystallised_grain_size(law(), 10, 650), *recrystallised_grain_size(law(), 10, 700));
+  EXPECT_GT(hall_petch_hardness(law(), 2), hall_petch_hardness(law(), 4));
 }
 
 }  // namespace

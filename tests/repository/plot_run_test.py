@@ -125,6 +125,7 @@ def hot_pixels(picture):
 
 def main():
     script = Path(sys.argv[1]) / "tools/plot_run.py"
+    sys.path.insert(0, str(script.parent))  # as when it is run: its module lies beside it
     specification = importlib.util.spec_from_file_location("plot_run", script)
     plot_run = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(plot_run)
