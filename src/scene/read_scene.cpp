@@ -223,6 +223,10 @@ MeshScene read_mesh(const Parameters& heat, const RigidScene& rigid, const Space
   mesh.growth = m.real("growth");
   if (mesh.far < mesh.near) m.fail("far", "must not be shorter than near.");
   if (m.has("cut_low") != m.has("cut_high")) m.fail("cut_low", "cut_low and cut_high go together.");
+  if (layout.axisymmetric() && m.has("cut_low"))
+    for (const char* corner : {"cut_low", "cut_high"})
+      if (m.reals(corner).size() != 3)
+        m.fail(corner, "in the axisymmetric space a corner needs three coordinates, of which y is of no meaning.");
   if (m.has("cut_low")) mesh.cut = Bounds{m.vector("cut_low"), m.vector("cut_high")};
   const Bounds bounds = rigid.shape->bounds();
   for (int d = 0; d < layout.dim; ++d)
