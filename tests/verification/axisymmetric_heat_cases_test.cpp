@@ -193,6 +193,24 @@ TEST(RoundPress, AgreesWithThreeDimensions) {
   EXPECT_NEAR(history_value(*solid, "width"), history_value(*section, "width"), 0.5e-3);
 }
 
+/// Two models of one thing: no film at the exact surface, and particles embedded in the mesh.
+TEST(RoundPress, HybridInterfaceIsPerfectContact) {
+  std::array<double, 2> heat{}, punch{};
+  for (int k = 0; k < 2; ++k) {
+    const auto simulation = started(
+        verification_scene("round_press"),
+        {"space=axisymmetric", "numerics.spacing=0.5 mm", "body.0.fill_margin=0.5", "rigid.0.heat.mesh.near=0.5 mm",
+         k == 0 ? "rigid.0.heat.interface=perfect" : "rigid.0.heat.interface=hybrid"});
+    run_to_end(*simulation);
+    heat[k] = history_value(*simulation, "cup.interface_heat");
+    punch[k] = history_value(*simulation, "punch.temperature");
+  }
+  std::printf("billet in a cup: heat through the hybrid interface %+.2f %% of perfect contact\n",
+              100 * (heat[1] / heat[0] - 1));
+  EXPECT_NEAR(heat[1] / heat[0], 1, 0.03);
+  EXPECT_NEAR(punch[1], punch[0], 0.2);
+}
+
 TEST(RoundPress, ConservesE9) {
   for (const std::string scheme : {"backward_euler", "crank_nicolson"}) {
     const auto simulation = started(verification_scene("round_press"), {"space=axisymmetric", "heat.scheme=" + scheme});
