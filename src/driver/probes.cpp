@@ -8,6 +8,7 @@
 #include "driver/particle_values.hpp"
 #include "input/wording.hpp"
 #include "particles/field_names.hpp"
+#include "thermal/ring.hpp"
 
 namespace stirsph {
 namespace {
@@ -19,20 +20,54 @@ bool reads_field(const ProbeScene& probe) {
          probe.rigid < 0;
 }
 
+/// What the probed quantity of a ring becomes on the far side of the axis, where r and theta point the other way: 1 or
+/// -1.
+double mirrored_sign(const ParticleSet& particles, const ProbeScene& probe) {
+  const Field* field = find_field(particles, probe.field);
+  if (!field) return 1;  // pressure and von Mises stress
+  switch (field->info->shape) {
+    case Shape::Position:
+      return probe.component == 0 ? -1 : 1;
+    case Shape::Velocity:
+      return probe.component < 2 ? -1 : 1;
+    case Shape::SymmetricTensor:
+      return probe.component < 4 ? 1 : -1;  // rz, tz
+    default:
+      return 1;
+  }
+}
+
 /// Kernel interpolation with normalised weights (Shepard), so that a probe near a surface is not biased towards zero.
+/// In the axisymmetric space it takes place in the half-plane, into which the probe's position is turned, with sections
+/// of rings for volumes and their images beyond the axis for neighbours.
 double at_point(const Simulation& simulation, const ProbeScene& probe) {
   const ParticleSet& particles = simulation.particles();
   const auto value = particle_value(simulation, probe.field, probe.component);
   const auto h = particles[field::smoothing_length], volume = particles[field::volume];
-  const int dim = particles.layout().dim;
+  const SpaceLayout layout = particles.layout();
+  const bool rings = layout.axisymmetric();
+  const Vec3 place = rings ? turned_into_half_plane(probe.position) : probe.position;
+  const double image = rings ? mirrored_sign(particles, probe) : 0;
   double weight_sum = 0, sum = 0;
   for (std::size_t i = 0; i < particles.owned(); ++i) {
-    const double r = norm(particles.vector_at(field::position, i) - probe.position);
-    const double weight = std::visit(
-        [&]<class K>(const K&) { return r < K::support * h[i] ? volume[i] * kernel_value<K>(r, h[i], dim) : 0.0; },
-        simulation.scene().numerics.kernel);
-    weight_sum += weight;
-    sum += weight * value(i);
+    Vec3 x = particles.vector_at(field::position, i);
+    const double measure = rings ? volume[i] / circumference(x.x) : volume[i];
+    const auto weight = [&] {
+      const double r = norm(x - place);
+      return std::visit(
+          [&]<class K>(const K&) {
+            return r < K::support * h[i] ? measure * kernel_value<K>(r, h[i], layout.dim) : 0.0;
+          },
+          simulation.scene().numerics.kernel);
+    };
+    const double direct = weight();
+    weight_sum += direct;
+    sum += direct * value(i);
+    if (!rings) continue;
+    x.x = -x.x;
+    const double mirrored = weight();
+    weight_sum += mirrored;
+    sum += mirrored * image * value(i);
   }
   weight_sum = simulation.comm().sum(weight_sum);
   sum = simulation.comm().sum(sum);
@@ -49,15 +84,29 @@ double in_rigid_body(const Simulation& simulation, const ProbeScene& probe) {
   return sum;
 }
 
+/// Whether the probe asks for the radius of rings.
+bool is_radius(const ParticleSet& particles, const ProbeScene& probe) {
+  const Field* field = find_field(particles, probe.field);
+  return field && field->info->shape == Shape::Position && field->info->unit == field::position.unit &&
+         probe.component == 0;
+}
+
 double over_set(const Simulation& simulation, const ProbeScene& probe) {
   const ParticleSet& particles = simulation.particles();
   const auto value = particle_value(simulation, probe.field, probe.component);
-  double sum = 0, squares = 0, least = std::numeric_limits<double>::infinity(), most = -least;
+  // A ring stands for as many particles of three dimensions as its volume holds.
+  const bool rings = particles.layout().axisymmetric();
+  const bool mean = probe.kind == ProbeScene::Kind::Average || probe.kind == ProbeScene::Kind::Deviation;
+  const auto volume = particles[field::volume];
+  const auto weight_of = [&](std::size_t i) { return rings && mean ? volume[i] : 1.0; };
+  double sum = 0, squares = 0, weights = 0, least = std::numeric_limits<double>::infinity(), most = -least;
   std::int64_t count = 0;
   for (std::size_t i = 0; i < particles.owned(); ++i) {
     if (!in_set(particles, probe.set, i)) continue;
     const double v = value(i);
-    sum += v;
+    const double weight = weight_of(i);
+    sum += weight * v;
+    weights += weight;
     least = std::min(least, v);
     most = std::max(most, v);
     ++count;
@@ -67,21 +116,22 @@ double over_set(const Simulation& simulation, const ProbeScene& probe) {
   if (all == 0) return std::numeric_limits<double>::quiet_NaN();
   switch (probe.kind) {
     case ProbeScene::Kind::Average:
-      return comm.sum(sum) / static_cast<double>(all);
+      return comm.sum(sum) / comm.sum(weights);
     case ProbeScene::Kind::Deviation: {
       // About the mean: the difference of large sums would lose small deviations.
-      const double mean = comm.sum(sum) / static_cast<double>(all);
+      const double weight = comm.sum(weights), average = comm.sum(sum) / weight;
       for (std::size_t i = 0; i < particles.owned(); ++i)
-        if (in_set(particles, probe.set, i)) squares += std::pow(value(i) - mean, 2);
-      return std::sqrt(comm.sum(squares) / static_cast<double>(all));
+        if (in_set(particles, probe.set, i)) squares += weight_of(i) * std::pow(value(i) - average, 2);
+      return std::sqrt(comm.sum(squares) / weight);
     }
     case ProbeScene::Kind::Minimum:
       return comm.min(least);
     case ProbeScene::Kind::Maximum:
       return comm.max(most);
     case ProbeScene::Kind::Extent: {
-      const double low = comm.min(least);
-      return comm.max(most) - low;
+      const double low = comm.min(least), high = comm.max(most);
+      // Across the axis it is a diameter.
+      return rings && is_radius(particles, probe) ? 2 * high : high - low;
     }
     default:
       return comm.sum(sum);
@@ -98,9 +148,12 @@ double extruded_length(const Simulation& simulation, int rigid) {
   const double spacing = scene.numerics.spacing;
   std::vector<double> bins(4096, 0.0);
   const ParticleSet& particles = simulation.particles();
+  const bool rings = particles.layout().axisymmetric();
+  const auto volume = particles[field::volume];
   for (std::size_t i = 0; i < particles.owned(); ++i) {
     const double along = dot(particles.vector_at(field::position, i) - face, outward) / spacing;
-    if (along >= 0 && along < static_cast<double>(bins.size())) bins[static_cast<std::size_t>(along)] += 1;
+    if (along >= 0 && along < static_cast<double>(bins.size()))
+      bins[static_cast<std::size_t>(along)] += rings ? volume[i] : 1.0;
   }
   simulation.comm().sum_in_place(bins);
   const double fullest = *std::max_element(bins.begin(), bins.end());

@@ -7,7 +7,9 @@
 
 namespace stirsph {
 
-/// One value per [[probe]] of the scene. Collective. A probe without any particle gives NaN.
+/// One value per [[probe]] of the scene. Collective. A probe without any particle gives NaN. In the axisymmetric space
+/// they mean what they mean in three dimensions: a position is turned into the half-plane, averages are weighted with
+/// the volumes of the rings, the extent of the radius is a diameter.
 std::vector<double> evaluate_probes(const Simulation& simulation);
 
 /// SI unit of a probe's value.
@@ -20,7 +22,8 @@ std::string unit_of(const Scene& scene, const std::string& name);
 void check_field_names(const Simulation& simulation);
 
 /// Length [m] of unbroken material beyond a rigid body's reference point, against its direction of motion: bins one
-/// spacing wide, counted while each holds at least a quarter as many particles as the fullest. Collective.
+/// spacing wide, counted while each holds at least a quarter as many particles (of rings: as much volume) as the
+/// fullest. Collective.
 double extruded_length(const Simulation& simulation, int rigid);
 
 }  // namespace stirsph

@@ -103,9 +103,9 @@ void Simulation::prepare_rigids() {
   }
   rigid_heat_ = make_rigid_heat(comm_, scene_);
   if (scene_.heat.mode == HeatScene::Mode::Conduction)
-    interfaces_ = std::make_unique<InterfaceSearch>(heat_interfaces(scene_), rigids_, rigid_heat_, scene_.domain,
-                                                    scene_.numerics.kernel, scene_.numerics.spacing,
-                                                    scene_.numerics.h_over_dx * scene_.numerics.spacing);
+    interfaces_ = std::make_unique<InterfaceSearch>(
+        heat_interfaces(scene_), rigids_, rigid_heat_, scene_.domain, layout_of(scene_.space), scene_.numerics.kernel,
+        scene_.numerics.spacing, scene_.numerics.h_over_dx * scene_.numerics.spacing);
   heat_ledger_.bodies.resize(rigids_.size());
   place_probes();
   rigid_force_.resize(rigids_.size());

@@ -371,11 +371,20 @@ Entities solid_of(const ShapeFunction& shape, const ShapeMeshOptions& options) {
   const double reach = norm(region.high - region.low);
   Entities solid = SolidBuilder(centre, reach).build(shape);
   Vec3 low = centre - 2 * reach * Vec3{1, 1, 1}, size = 4 * reach * Vec3{1, 1, 1};
+  if (options.axisymmetric) low.x = 0;
   if (options.cut)
-    for (int i = 0; i < options.dimensions; ++i) {
+    for (int k = 0; k < options.dimensions; ++k) {
+      const int i = mesh_axes(options)[k];
       low[i] = region.low[i];
       size[i] = region.high[i] - region.low[i];
     }
+  if (options.axisymmetric) {
+    // In the opposite half-plane, where the surfaces of turned solids have no seam.
+    Entities section{{2, occ::addRectangle(low.x, low.z, 0, size.x, size.z)}};
+    occ::rotate(section, 0, 0, 0, 1, 0, 0, 0.5 * std::numbers::pi);
+    occ::rotate(section, 0, 0, 0, 0, 0, 1, std::numbers::pi);
+    return SolidBuilder::common(solid, section);
+  }
   if (options.dimensions == 2)
     return SolidBuilder::common(solid, {{2, occ::addRectangle(low.x, low.y, 0, size.x, size.y)}});
   return options.cut ? SolidBuilder::common(solid, {{3, occ::addBox(low.x, low.y, low.z, size.x, size.y, size.z)}})
@@ -412,8 +421,11 @@ SimplexMesh read_mesh_file(const std::string& path, const MeshFileOptions& optio
     SimplexMesh mesh;
     mesh.dim = options.dimensions;
     mesh.source = path;
+    mesh.axisymmetric = options.axisymmetric;
     const NodeMap map = take_elements(mesh, chosen_entities(mesh, options.body), options.scale);
-    if (mesh.dim == 2)
+    if (mesh.axisymmetric)
+      lay_into_half_plane(mesh);
+    else if (mesh.dim == 2)
       for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
         if (mesh.nodes[n].z != 0)
           throw InputError(fmt::format("{}: node {} lies at z = {} m. A mesh in two dimensions lies in the plane z = 0",
@@ -488,7 +500,8 @@ ShapeMesh mesh_shape(const ShapePointer& shape, const ShapeMeshOptions& options)
     occ::synchronize();
     keep_only(solid, dim);
     gmsh::model::mesh::setSizeCallback([&](int, int, double x, double y, double z) {
-      return per_m * edge_length_at(options.sizes, mm * Vec3{x, y, z});
+      const Vec3 place = mm * Vec3{x, y, z};
+      return per_m * edge_length_at(options.sizes, options.axisymmetric ? turned_into_half_plane(place) : place);
     });
     generate(dim, options.fast);
 
@@ -498,12 +511,20 @@ ShapeMesh mesh_shape(const ShapePointer& shape, const ShapeMeshOptions& options)
     mesh.source = "mesh of the " + shape->describe();
     std::vector<int> bodies;
     for (const auto& entity : solid) bodies.push_back(entity.second);
+    mesh.axisymmetric = options.axisymmetric;
     const NodeMap map = take_elements(mesh, bodies, mm);
     if (mesh.elements.empty())
       throw InputError(fmt::format("{}: Gmsh could not mesh it at sizes {} m to {} m", shape->describe(),
                                    options.sizes.near, options.sizes.far));
-    if (dim == 2)
-      for (Vec3& node : mesh.nodes) node.z = 0;  // sections are built to the rounding of solids
+    // Sections are built to the rounding of solids.
+    if (mesh.axisymmetric) {
+      // Turned over from the opposite half-plane. Orientation and radius change their sign, the volume of a ring, by
+      // which take_elements orients the elements, does not.
+      for (Vec3& node : mesh.nodes) node.x = -node.x;
+      lay_into_half_plane(mesh);
+    } else if (dim == 2) {
+      for (Vec3& node : mesh.nodes) node.z = 0;
+    }
     mesh.node_numbers.clear();
     mesh.element_numbers.clear();
     extract_surface(mesh);
@@ -517,7 +538,8 @@ ShapeMesh mesh_shape(const ShapePointer& shape, const ShapeMeshOptions& options)
       result.worst_quality = std::min(result.worst_quality, element_quality(mesh, e));
     if (options.cut) {
       Bounds cut = *options.cut;
-      if (dim == 2) cut.low.z = -infinity, cut.high.z = infinity;
+      if (dim == 2) cut.low[mesh_axes(options)[2]] = -infinity, cut.high[mesh_axes(options)[2]] = infinity;
+      if (mesh.axisymmetric) cut.low.x = std::min(cut.low.x, -cut.high.x);  // a section ends at the axis by itself
       const std::vector<ShapePointer> both{shape, std::make_shared<Box>(cut.low, cut.high)};
       result.surface_gap = surface_gap(mesh, Intersection(both));
     } else {

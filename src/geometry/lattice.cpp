@@ -57,6 +57,7 @@ class CandidateCells {
       if (solid) cell[1] = j;
       for (cell[0] = low_[0]; cell[0] < high_[0]; ++cell[0]) {
         Vec3 point = origin_;
+        if (half_plane_) point.y = 0;
         for (int i = 0; i < dimensions_; ++i) point[axes_[i]] += (static_cast<double>(cell[i]) + 0.5) * spacing_;
         if (half_plane_ && point.x <= 0) continue;
         if (shape_.distance(point) <= deepest_) work(point);

@@ -13,7 +13,7 @@ namespace stirsph {
 struct LatticeOptions {
   int dimensions = 3;
   std::array<int, 3> axes{0, 1, 2};  ///< directions of the lattice; in two dimensions the third coordinate is origin's
-  bool half_plane = false;           ///< only points with x > 0
+  bool half_plane = false;           ///< only points with y = 0, x > 0, whatever the y of the origin
   Vec3 origin{};                     ///< a corner of a lattice cell [m]
   std::optional<double>
       margin{};  ///< a point is taken at least this far inside [m]; a quarter of the spacing by default

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -29,13 +30,60 @@ std::array<std::int32_t, 3> face_nodes(const SimplexMesh& mesh, std::int32_t ele
   return {e[f[0]], e[f[1]], e[f[2]]};
 }
 
+/// Negative when the element is inverted [m^dim].
+double element_measure(const SimplexMesh& mesh, std::int32_t element) {
+  const auto& e = mesh.elements[element];
+  const Vec3 &o = mesh.nodes[e[0]], a = mesh.nodes[e[1]] - o, b = mesh.nodes[e[2]] - o;
+  const int v = mesh.second_axis();
+  if (mesh.dim == 2) return 0.5 * (a.x * b[v] - a[v] * b.x);
+  return dot(cross(a, b), mesh.nodes[e[3]] - o) / 6;
+}
+
+/// Length of the circle [m] that the mean of some nodes of a section describes; 1 for other meshes.
+template <class Nodes>
+double mean_circumference(const SimplexMesh& mesh, const Nodes& nodes, int count) {
+  if (!mesh.axisymmetric) return 1;
+  double sum = 0;
+  for (int i = 0; i < count; ++i) sum += mesh.nodes[nodes[i]].x;
+  return 2 * std::numbers::pi * sum / count;
+}
+
+/// Shares of the nodes of a simplex in the integral over it: of 2 pi r N_a, with r linear, the mean radius and the
+/// node's own radius count, measure * 2 pi (sum of r + r_a) / (count (count + 1)).
+template <class Shares, class Nodes>
+Shares shares_of(const SimplexMesh& mesh, const Nodes& nodes, int count, double measure) {
+  Shares shares{};
+  const double mean = mean_circumference(mesh, nodes, count);
+  for (int i = 0; i < count; ++i) {
+    const double own = mesh.axisymmetric ? 2 * std::numbers::pi * mesh.nodes[nodes[i]].x : 1.0;
+    shares[i] = measure * (count * mean + own) / (count * (count + 1));
+  }
+  return shares;
+}
+
+/// Outward, as long as the facet is large in its plane.
+Vec3 facet_normal(const SimplexMesh& mesh, std::int32_t facet) {
+  const auto& f = mesh.surface[facet];
+  const Vec3 &o = mesh.nodes[f[0]], along = mesh.nodes[f[1]] - o;
+  if (mesh.dim == 3) return 0.5 * cross(along, mesh.nodes[f[2]] - o);
+  Vec3 normal;
+  normal.x = along[mesh.second_axis()];
+  normal[mesh.second_axis()] = -along.x;
+  return normal;
+}
+
 }  // namespace
 
 double element_volume(const SimplexMesh& mesh, std::int32_t element) {
-  const auto& e = mesh.elements[element];
-  const Vec3 &o = mesh.nodes[e[0]], a = mesh.nodes[e[1]] - o, b = mesh.nodes[e[2]] - o;
-  if (mesh.dim == 2) return 0.5 * cross(a, b).z;
-  return dot(cross(a, b), mesh.nodes[e[3]] - o) / 6;
+  return element_measure(mesh, element) * mean_circumference(mesh, mesh.elements[element], mesh.corners());
+}
+
+std::array<double, 4> element_shares(const SimplexMesh& mesh, std::int32_t element) {
+  return shares_of<std::array<double, 4>>(mesh, mesh.elements[element], mesh.corners(), element_measure(mesh, element));
+}
+
+std::array<double, 3> facet_shares(const SimplexMesh& mesh, std::int32_t facet) {
+  return shares_of<std::array<double, 3>>(mesh, mesh.surface[facet], mesh.dim, norm(facet_normal(mesh, facet)));
 }
 
 double element_quality(const SimplexMesh& mesh, std::int32_t element) {
@@ -55,7 +103,7 @@ double element_quality(const SimplexMesh& mesh, std::int32_t element) {
     }
   if (!(longest * around > 0)) return 0;
   const double regular = mesh.dim == 2 ? 4 * std::sqrt(3.0) : 6 * std::sqrt(6.0);
-  return regular * element_volume(mesh, element) / (longest * around);
+  return regular * element_measure(mesh, element) / (longest * around);
 }
 
 std::array<Vec3, 4> shape_gradients(const SimplexMesh& mesh, std::int32_t element) {
@@ -63,9 +111,12 @@ std::array<Vec3, 4> shape_gradients(const SimplexMesh& mesh, std::int32_t elemen
   const Vec3 &o = mesh.nodes[e[0]], a = mesh.nodes[e[1]] - o, b = mesh.nodes[e[2]] - o;
   std::array<Vec3, 4> gradients{};
   if (mesh.dim == 2) {
-    const double twice = cross(a, b).z;
-    gradients[1] = Vec3{b.y, -b.x, 0} / twice;
-    gradients[2] = Vec3{-a.y, a.x, 0} / twice;
+    const int v = mesh.second_axis();
+    const double twice = a.x * b[v] - a[v] * b.x;
+    gradients[1].x = b[v] / twice;
+    gradients[1][v] = -b.x / twice;
+    gradients[2].x = -a[v] / twice;
+    gradients[2][v] = a.x / twice;
   } else {
     const Vec3 c = mesh.nodes[e[3]] - o;
     const double six_volumes = dot(cross(a, b), c);
@@ -78,10 +129,7 @@ std::array<Vec3, 4> shape_gradients(const SimplexMesh& mesh, std::int32_t elemen
 }
 
 Vec3 facet_area_vector(const SimplexMesh& mesh, std::int32_t facet) {
-  const auto& f = mesh.surface[facet];
-  const Vec3 &o = mesh.nodes[f[0]], along = mesh.nodes[f[1]] - o;
-  if (mesh.dim == 2) return {along.y, -along.x, 0};
-  return 0.5 * cross(along, mesh.nodes[f[2]] - o);
+  return mean_circumference(mesh, mesh.surface[facet], mesh.dim) * facet_normal(mesh, facet);
 }
 
 double facet_area(const SimplexMesh& mesh, std::int32_t facet) { return norm(facet_area_vector(mesh, facet)); }
@@ -115,6 +163,24 @@ Bounds mesh_bounds(const SimplexMesh& mesh) {
   return result;
 }
 
+void lay_into_half_plane(SimplexMesh& mesh) {
+  double largest = 0;
+  for (const Vec3& node : mesh.nodes) largest = std::max(largest, std::abs(node.x));
+  const double rounding = 1e-7 * largest;  // of files with seven digits, and of Gmsh's solids
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+    Vec3& node = mesh.nodes[n];
+    if (node.x < -rounding || std::abs(node.y) > rounding)
+      throw InputError(
+          fmt::format("{}: node {} lies at ({:.6g}, {:.6g}, {:.6g}) m. In the axisymmetric space a mesh is "
+                      "the section of the body with the half-plane y = 0, x >= 0: x is the radius and z "
+                      "the axis. Mesh that section with triangles, and turn it there",
+                      mesh.source, mesh.node_number(static_cast<std::int32_t>(n)), node.x, node.y, node.z));
+    node.y = 0;
+    if (std::abs(node.x) <= rounding) node.x = 0;
+  }
+  mesh.axisymmetric = true;
+}
+
 void extract_surface(SimplexMesh& mesh) {
   std::vector<Face> faces;
   faces.reserve(mesh.elements.size() * mesh.corners());
@@ -141,7 +207,9 @@ void extract_surface(SimplexMesh& mesh) {
   mesh.surface_elements.clear();
   mesh.groups.clear();
   for (const Face& face : boundary) {
-    mesh.surface.push_back(face_nodes(mesh, face.element, face.local));
+    const auto nodes = face_nodes(mesh, face.element, face.local);
+    if (mesh.axisymmetric && mesh.nodes[nodes[0]].x == 0 && mesh.nodes[nodes[1]].x == 0) continue;  // on the axis
+    mesh.surface.push_back(nodes);
     mesh.surface_elements.push_back(face.element);
   }
 }
@@ -166,7 +234,7 @@ std::optional<std::array<std::int32_t, 2>> open_edge(const SimplexMesh& mesh) {
     for (const auto& edge : mesh.surface) ++balance[edge[0]], --balance[edge[1]];
     for (const auto& edge : mesh.surface)
       for (const auto node : {edge[0], edge[1]})
-        if (balance[node] != 0) return std::array{node, node};
+        if (balance[node] != 0 && !(mesh.axisymmetric && mesh.nodes[node].x == 0)) return std::array{node, node};
     return std::nullopt;
   }
   // Each edge must be run through as often one way as the other; where solids touch in an edge that is twice each.

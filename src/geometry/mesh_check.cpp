@@ -66,10 +66,10 @@ void check_elements(const SimplexMesh& mesh, const MeshLimits& limits) {
   if (bad == 0) return;
   const std::string others = bad > 1 ? fmt::format("; {} more elements are below the limit", bad - 1) : "";
   if (lowest <= 0)
-    refuse(mesh,
-           fmt::format(
-               "{} is inverted or flat: volume {:.3g} m{}, quality {:.3g}, allowed from {:.3g}{}. Mesh it again",
-               named(mesh, worst), element_volume(mesh, worst), mesh.dim, lowest, limits.smallest_quality, others));
+    refuse(mesh, fmt::format(
+                     "{} is inverted or flat: volume {:.3g} m{}, quality {:.3g}, allowed from {:.3g}{}. Mesh it again",
+                     named(mesh, worst), element_volume(mesh, worst), mesh.axisymmetric ? 3 : mesh.dim, lowest,
+                     limits.smallest_quality, others));
   refuse(mesh, fmt::format("{} is a needle or sliver: quality {:.3g}, allowed from {:.3g} (1 is regular){}. Mesh it "
                            "again, finer or with the mesher's optimisation on",
                            named(mesh, worst), lowest, limits.smallest_quality, others));

@@ -8,9 +8,10 @@
 namespace stirsph {
 
 struct MeshFileOptions {
-  int dimensions = 3;  ///< 3: tetrahedra; 2: triangles in the plane z = 0
-  double scale = 1;    ///< metres per unit of length of the file
-  std::string body{};  ///< name of the physical volume (2-D: surface) to read; empty: all elements
+  int dimensions = 3;         ///< 3: tetrahedra; 2: triangles in the plane z = 0
+  double scale = 1;           ///< metres per unit of length of the file
+  std::string body{};         ///< name of the physical volume (2-D: surface) to read; empty: all elements
+  bool axisymmetric = false;  ///< with dimensions = 2: triangles in the half-plane y = 0, x >= 0
 };
 
 /// Reads nodes and elements, extracts the surface; physical surfaces (2-D: curves) on it become surface groups, under

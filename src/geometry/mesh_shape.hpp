@@ -17,9 +17,12 @@ struct MeshSizes {
 };
 
 struct ShapeMeshOptions {
-  int dimensions = 3;  ///< 2: triangles of the section at z = 0
+  int dimensions = 3;         ///< 2: triangles of the section at z = 0
+  bool axisymmetric = false;  ///< with dimensions = 2: of the section with the half-plane y = 0, x >= 0
   MeshSizes sizes;
-  std::optional<Bounds> cut{};  ///< keeps what lies within; needed for endless shapes. z is of no meaning in 2-D
+  /// Keeps what lies within; needed for endless shapes. Only the coordinates of the section count; its upper x is then
+  /// the largest radius of a section with the half-plane.
+  std::optional<Bounds> cut{};
   bool fast =
       false;  ///< about four times as fast, but a different mesh every time: such a mesh must be stored to restart
 };
@@ -31,8 +34,8 @@ struct ShapeMesh {
   double meshing_seconds;  ///< wall-clock time
 };
 
-/// Nodes on curved faces lie on the exact surface. Throws InputError when the shape is empty, endless and not cut, or
-/// cannot be meshed.
+/// Nodes on curved faces lie on the exact surface. For a section with the half-plane the shape must be round about the
+/// z axis. Throws InputError when the shape is empty, endless and not cut, or cannot be meshed.
 ShapeMesh mesh_shape(const ShapePointer& shape, const ShapeMeshOptions& options);
 
 /// The largest distance from the middle of a facet or of its edges to the shape's surface: s^2/(8R) for edges of length

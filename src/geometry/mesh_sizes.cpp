@@ -19,6 +19,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 double expected_elements(const ShapeFunction& shape, const ShapeMeshOptions& options, const Bounds& cell,
                          int depth = 0) {
   const int dim = options.dimensions;
+  const auto axes = mesh_axes(options);
   const Vec3 middle = 0.5 * (cell.low + cell.high);
   const double radius = 0.5 * norm(cell.high - cell.low), size = edge_length_at(options.sizes, middle);
   const double outside = shape.distance(middle);
@@ -27,13 +28,13 @@ double expected_elements(const ShapeFunction& shape, const ShapeMeshOptions& opt
     double sum = 0;
     for (int corner = 0; corner < (dim == 3 ? 8 : 4); ++corner) {
       Bounds part = cell;
-      for (int i = 0; i < dim; ++i) (corner >> i & 1 ? part.low[i] : part.high[i]) = middle[i];
+      for (int i = 0; i < dim; ++i) (corner >> i & 1 ? part.low : part.high)[axes[i]] = middle[axes[i]];
       sum += expected_elements(shape, options, part, depth + 1);
     }
     return sum;
   }
   double elements = outside < 0 ? (dim == 3 ? 6 * std::numbers::sqrt2 : 4 / std::numbers::sqrt3) : 0;
-  for (int i = 0; i < dim; ++i) elements *= (cell.high[i] - cell.low[i]) / size;
+  for (int i = 0; i < dim; ++i) elements *= (cell.high[axes[i]] - cell.low[axes[i]]) / size;
   return elements;
 }
 
@@ -57,7 +58,10 @@ double edge_length_at(const MeshSizes& sizes, const Vec3& point) {
 
 Bounds meshed_region(const ShapeFunction& shape, const ShapeMeshOptions& options) {
   Bounds region = shape.bounds();
-  for (int i = 0; i < options.dimensions; ++i) {
+  const auto axes = mesh_axes(options);
+  if (options.axisymmetric) region.low.x = 0;
+  for (int k = 0; k < options.dimensions; ++k) {
+    const int i = axes[k];
     if (options.cut) {
       region.low[i] = std::max(region.low[i], options.cut->low[i]);
       region.high[i] = std::min(region.high[i], options.cut->high[i]);
@@ -68,7 +72,7 @@ Bounds meshed_region(const ShapeFunction& shape, const ShapeMeshOptions& options
     if (region.low[i] >= region.high[i])
       throw InputError(fmt::format("{}: nothing of it lies within the bounding box", shape.describe()));
   }
-  if (options.dimensions == 2) region.low.z = region.high.z = 0;
+  if (options.dimensions == 2) region.low[axes[2]] = region.high[axes[2]] = 0;
   return region;
 }
 

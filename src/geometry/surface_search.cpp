@@ -97,13 +97,14 @@ void BoxTree::fill(std::int32_t branch, std::int32_t first, std::int32_t size, c
   fill(children + 1, first + half, size - half, boxes);
 }
 
-SurfaceSearch::SurfaceSearch(const SimplexMesh& mesh) : dim_(mesh.dim) {
+SurfaceSearch::SurfaceSearch(const SimplexMesh& mesh) : dim_(mesh.dim), axisymmetric_(mesh.axisymmetric) {
   std::vector<std::int32_t> all(mesh.surface.size());
   std::iota(all.begin(), all.end(), 0);
   build(mesh, all);
 }
 
-SurfaceSearch::SurfaceSearch(const SimplexMesh& mesh, const SurfaceGroup& group) : dim_(mesh.dim) {
+SurfaceSearch::SurfaceSearch(const SimplexMesh& mesh, const SurfaceGroup& group)
+    : dim_(mesh.dim), axisymmetric_(mesh.axisymmetric) {
   build(mesh, group.facets);
 }
 
@@ -118,7 +119,8 @@ void SurfaceSearch::build(const SimplexMesh& mesh, const std::vector<std::int32_
   tree_ = BoxTree(boxes);
 }
 
-SurfacePlace SurfaceSearch::nearest(const Vec3& point, double radius) const {
+SurfacePlace SurfaceSearch::nearest(const Vec3& place, double radius) const {
+  const Vec3 point = axisymmetric_ ? turned_into_half_plane(place) : place;
   SurfacePlace best;
   double squared = radius * radius;
   tree_.near(point, squared, [&](std::int32_t item) {
@@ -132,7 +134,7 @@ SurfacePlace SurfaceSearch::nearest(const Vec3& point, double radius) const {
   return best;
 }
 
-ElementSearch::ElementSearch(const SimplexMesh& mesh) : corners_(mesh.corners()) {
+ElementSearch::ElementSearch(const SimplexMesh& mesh) : corners_(mesh.corners()), axisymmetric_(mesh.axisymmetric) {
   std::vector<Bounds> boxes;
   for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
     std::array<Vec3, 4> nodes{};
@@ -144,7 +146,8 @@ ElementSearch::ElementSearch(const SimplexMesh& mesh) : corners_(mesh.corners())
   tree_ = BoxTree(boxes);
 }
 
-VolumePlace ElementSearch::find(const Vec3& point) const {
+VolumePlace ElementSearch::find(const Vec3& place) const {
+  const Vec3 point = axisymmetric_ ? turned_into_half_plane(place) : place;
   constexpr double rounding = 1e-9;  // of a weight
   VolumePlace best;
   double most = -rounding;

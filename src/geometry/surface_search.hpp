@@ -1,5 +1,6 @@
 /// Where a point is on or in a mesh: the nearest point of its surface, the element around it. Points in the frame of
-/// the mesh; for a moving body the caller turns them back first.
+/// the mesh; for a moving body the caller turns them back first. For a section, any point on the circle that a place of
+/// the half-plane describes stands for that place.
 #pragma once
 
 #include <array>
@@ -27,7 +28,7 @@ class SurfaceSearch {
   SurfaceSearch(const SimplexMesh& mesh, const SurfaceGroup& group);  ///< on these facets only
 
   /// Exact; of equally near facets the one with the lowest index. A small radius [m] makes misses cheap.
-  SurfacePlace nearest(const Vec3& point, double radius = std::numeric_limits<double>::infinity()) const;
+  SurfacePlace nearest(const Vec3& place, double radius = std::numeric_limits<double>::infinity()) const;
 
  private:
   struct Facet {
@@ -37,6 +38,7 @@ class SurfaceSearch {
   void build(const SimplexMesh& mesh, const std::vector<std::int32_t>& facets);
 
   int dim_;
+  bool axisymmetric_;
   std::vector<Facet> facets_;
   BoxTree tree_;
 };
@@ -52,10 +54,11 @@ class ElementSearch {
  public:
   explicit ElementSearch(const SimplexMesh& mesh);
   /// The element that holds the point; one of them where several touch. Rounding counts as inside.
-  VolumePlace find(const Vec3& point) const;
+  VolumePlace find(const Vec3& place) const;
 
  private:
   int corners_;
+  bool axisymmetric_;
   std::vector<std::array<Vec3, 4>> gradients_;
   std::vector<Vec3> first_nodes_;
   BoxTree tree_;

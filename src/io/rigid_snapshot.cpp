@@ -59,7 +59,9 @@ std::vector<Vec3> nodes_in_scene(const SimplexMesh& mesh, const RigidPose& pose)
   std::vector<Vec3> points;
   points.reserve(mesh.nodes.size());
   for (const Vec3& node : mesh.nodes)
-    points.push_back(rotated(node - pose.centre, pose.axis, pose.angle) + pose.axis_point());
+    // A section stands for the whole body and stays in its half-plane when the body turns.
+    points.push_back(mesh.axisymmetric ? node + pose.translation
+                                       : rotated(node - pose.centre, pose.axis, pose.angle) + pose.axis_point());
   return points;
 }
 

@@ -7,6 +7,7 @@
 #include "geometry/shape_input.hpp"
 #include "input/wording.hpp"
 #include "particles/field_names.hpp"
+#include "scene/axial_symmetry.hpp"
 #include "scene/scene.hpp"
 
 namespace stirsph {
@@ -239,7 +240,7 @@ MotionScene read_motion(const Parameters& p) {
   return motion;
 }
 
-MeshScene read_mesh(const Parameters& heat, const RigidScene& rigid, int dim) {
+MeshScene read_mesh(const Parameters& heat, const RigidScene& rigid, const SpaceLayout& layout) {
   MeshScene mesh;
   if (!heat.has("mesh"))
     heat.fail("role", "a mesh needs mesh = { near = \"1 mm\", far = \"5 mm\" } or mesh = { file = \"die.msh\" }.");
@@ -261,11 +262,16 @@ MeshScene read_mesh(const Parameters& heat, const RigidScene& rigid, int dim) {
   mesh.growth = m.real("growth");
   if (mesh.far < mesh.near) m.fail("far", "must not be shorter than near.");
   if (m.has("cut_low") != m.has("cut_high")) m.fail("cut_low", "cut_low and cut_high go together.");
+  if (layout.axisymmetric() && m.has("cut_low"))
+    for (const char* corner : {"cut_low", "cut_high"})
+      if (m.reals(corner).size() != 3)
+        m.fail(corner, "in the axisymmetric space a corner needs three coordinates, of which y is of no meaning.");
   if (m.has("cut_low")) mesh.cut = Bounds{m.vector("cut_low"), m.vector("cut_high")};
   const Bounds bounds = rigid.shape->bounds();
-  for (int d = 0; d < dim; ++d)
-    if (!mesh.cut && !(std::isfinite(bounds.low[d]) && std::isfinite(bounds.high[d])))
-      m.fail("near", std::string("the shape is endless along ") + "xyz"[d] +
+  for (int d = 0; d < layout.dim; ++d)
+    if (const int axis = layout.axes[d];
+        !mesh.cut && !(std::isfinite(bounds.low[axis]) && std::isfinite(bounds.high[axis])))
+      m.fail("near", std::string("the shape is endless along ") + "xyz"[axis] +
                          ": give cut_low and cut_high, the corners of the box to mesh, or a shape with an end.");
   return mesh;
 }
@@ -337,7 +343,7 @@ RigidHeatScene read_rigid_heat(const Parameters& heat, const Scene& scene, const
       heat.fail(result.heat_capacity > 0 ? "heat_capacity" : "ambient_conductance",
                 "belongs to role = \"lumped\". A mesh has the heat capacity of its material and loses heat through "
                 "[[rigid.heat.surface]].");
-    result.mesh = read_mesh(heat, rigid, layout_of(scene.space).dim);
+    result.mesh = read_mesh(heat, rigid, layout_of(scene.space));
     result.surfaces = read_surfaces(heat);
   } else if (heat.has("mesh") || !heat.tables("surface").empty()) {
     heat.fail("role", "mesh and surface need role = \"mesh\".");
@@ -568,6 +574,7 @@ Scene make_scene(const Parameters& root, const std::string& path) {
   read_tracers(root, scene);
   scene.body_force = vector_expression(root, "body_force");
   read_heat_and_output(root, scene);
+  check_axial_symmetry(scene);
   if (scene.target_step > 0) {
     // dt = cfl h / (c/sqrt(s) + |v|): the tool's speed is not known yet, so the wave alone is scaled.
     double fastest = 0;

@@ -15,17 +15,22 @@ namespace {
 
 std::string in_mm(const Vec3& x) { return fmt::format("({:.5g}, {:.5g}, {:.5g})", 1e3 * x.x, 1e3 * x.y, 1e3 * x.z); }
 
-double longest_side(const Bounds& bounds, int dim) {
+/// The longest side within the space of the scene, radii for diameters where that is a half-plane.
+double longest_side(const Bounds& bounds, const SpaceLayout& layout) {
   double longest = 0;
-  for (int d = 0; d < dim; ++d) longest = std::max(longest, bounds.high[d] - bounds.low[d]);
+  for (int d = 0; d < layout.dim; ++d) {
+    const int axis = layout.axes[d];
+    const double low = layout.axisymmetric() && d == 0 ? 0 : bounds.low[axis];
+    longest = std::max(longest, bounds.high[axis] - low);
+  }
   return longest;
 }
 
 /// A file in other units than `scale` says: a mesh may hold more or less than the shape that particles touch, but not a
 /// hundred times as much.
-void check_scale(const SimplexMesh& mesh, const ShapeFunction& shape) {
+void check_scale(const SimplexMesh& mesh, const ShapeFunction& shape, const SpaceLayout& layout) {
   constexpr double most = 20;  // an inch taken for a millimetre is 25
-  const double in_mesh = longest_side(mesh_bounds(mesh), mesh.dim), in_shape = longest_side(shape.bounds(), mesh.dim);
+  const double in_mesh = longest_side(mesh_bounds(mesh), layout), in_shape = longest_side(shape.bounds(), layout);
   if (!std::isfinite(in_shape) || (in_mesh <= most * in_shape && in_shape <= most * in_mesh)) return;
   throw InputError(fmt::format(
       "{}: the mesh is {:.4g} m long, the shape of the body {:.4g} m. Allowed: a ratio between 1/{} and {}. mesh.scale "
@@ -35,15 +40,16 @@ void check_scale(const SimplexMesh& mesh, const ShapeFunction& shape) {
 
 SimplexMesh make_mesh(const Scene& scene, const RigidScene& rigid) {
   const MeshScene& wanted = rigid.heat.mesh;
-  const int dim = layout_of(scene.space).dim;
+  const SpaceLayout layout = layout_of(scene.space);
   if (!wanted.file.empty()) {
-    SimplexMesh mesh = read_mesh_file(wanted.file, {dim, wanted.scale, wanted.body});
+    SimplexMesh mesh = read_mesh_file(wanted.file, {layout.dim, wanted.scale, wanted.body, layout.axisymmetric()});
     check_mesh(mesh);
-    check_scale(mesh, *rigid.shape);
+    check_scale(mesh, *rigid.shape, layout);
     return mesh;
   }
   ShapeMeshOptions options;
-  options.dimensions = dim;
+  options.dimensions = layout.dim;
+  options.axisymmetric = layout.axisymmetric();
   options.cut = wanted.cut;
   options.sizes.near = wanted.near;
   options.sizes.far = wanted.far;
@@ -58,7 +64,7 @@ SimplexMesh make_mesh(const Scene& scene, const RigidScene& rigid) {
 /// Everything of a mesh that the heat solve reads, from the root to all.
 void broadcast_mesh(const Comm& comm, SimplexMesh& mesh) {
   std::vector<double> places;
-  std::vector<std::int64_t> numbers{mesh.dim, static_cast<std::int64_t>(mesh.nodes.size()),
+  std::vector<std::int64_t> numbers{mesh.dim, mesh.axisymmetric, static_cast<std::int64_t>(mesh.nodes.size()),
                                     static_cast<std::int64_t>(mesh.elements.size()),
                                     static_cast<std::int64_t>(mesh.surface.size())};
   for (const Vec3& x : mesh.nodes) places.insert(places.end(), {x.x, x.y, x.z});
@@ -76,6 +82,7 @@ void broadcast_mesh(const Comm& comm, SimplexMesh& mesh) {
   if (!comm.is_root()) {
     auto next = numbers.begin();
     mesh.dim = static_cast<int>(*next++);
+    mesh.axisymmetric = *next++ != 0;
     mesh.nodes.resize(static_cast<std::size_t>(*next++));
     mesh.elements.resize(static_cast<std::size_t>(*next++));
     mesh.surface.resize(static_cast<std::size_t>(*next++));

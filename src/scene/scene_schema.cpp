@@ -169,8 +169,11 @@ void declare_bodies(Schema& s) {
 
 /// The mesh of a rigid body and the conditions on its outer surfaces.
 void declare_mesh(Schema& heat) {
-  Schema& mesh =
-      heat.table("mesh", "linear tetrahedra (triangles in two dimensions) of the body, for role = \"mesh\"", true);
+  Schema& mesh = heat.table(
+      "mesh",
+      "linear tetrahedra of the body (triangles in plane strain; triangles of its section with the half-plane "
+      "y = 0, x >= 0 in the axisymmetric space), for role = \"mesh\"",
+      true);
   mesh.real("near", "edge length at the deformable bodies").unit("m").positive().optional();
   mesh.real("far", "largest edge length").unit("m").positive().optional();
   mesh.real("growth", "how much longer edges get per distance").range(0.01, 2).by_default(0.3);
@@ -178,7 +181,10 @@ void declare_mesh(Schema& heat) {
   mesh.real("scale", "metres per unit of length of the file").positive().by_default(1.0);
   mesh.text("body", "name of the physical volume of the file; all elements when missing").optional();
   mesh.reals("cut_low", "lower corner of the box that cuts an endless shape").unit("m").count(2, 3).optional();
-  mesh.reals("cut_high", "its upper corner").unit("m").count(2, 3).optional();
+  mesh.reals("cut_high", "its upper corner; its x is the radius in the axisymmetric space")
+      .unit("m")
+      .count(2, 3)
+      .optional();
   Schema& surface = heat.tables("surface", "a condition on outer facets of the mesh; the others are insulated");
   surface.variant("region", "type", shape_schemas, "facets whose centroid lies inside this shape (at the start)")
       .optional();

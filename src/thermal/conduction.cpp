@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "particles/field_names.hpp"
+#include "thermal/ring.hpp"
 
 namespace stirsph {
 namespace {
@@ -13,13 +15,14 @@ namespace {
 template <int Dim>
 class PackedCandidates {
  public:
-  explicit PackedCandidates(const ParticleSet& particles) {
+  explicit PackedCandidates(const ParticleSet& particles) : rings_(particles.layout().axisymmetric()) {
     for (int d = 0; d < Dim; ++d) source_[d] = particles.component(field::position, d).data();
     source_h_ = particles[field::smoothing_length].data();
   }
 
   void load(std::span<const std::int32_t> candidates) {
     index.assign(candidates.begin(), candidates.end());
+    if (rings_) std::erase_if(index, [&](std::int32_t j) { return is_mirror_image(source_[0][j]); });
     // Rising columns make the rows of the matrix sorted without sorting each of them.
     if (!std::is_sorted(index.begin(), index.end())) std::sort(index.begin(), index.end());
     const std::size_t n = index.size();
@@ -65,11 +68,27 @@ class PackedCandidates {
   std::vector<double> r, h;
 
  private:
+  bool rings_;
   std::array<const double*, Dim> source_;
   const double* source_h_;
   std::array<std::vector<double>, Dim> x_;
   std::vector<double> h_, square_;
 };
+
+/// Kernel sum of a ring over mirror images at the axis, its own among them. Their originals are nearer and therefore
+/// among the candidates; `area`: of all particles.
+template <class K>
+double mirror_sum(const ParticleSet& particles, std::span<const std::int32_t> candidates, std::size_t i,
+                  const std::vector<double>& area) {
+  const auto r = particles.component(field::position, 0), z = particles.component(field::position, 1);
+  const auto h = particles[field::smoothing_length];
+  double sum = 0;
+  for (const std::int32_t j : candidates) {
+    const double mean_h = 0.5 * (h[i] + h[j]), across = r[i] + r[j];
+    if (across < K::support * mean_h) sum += area[j] * kernel_value<K>(std::hypot(across, z[i] - z[j]), mean_h, 2);
+  }
+  return sum;
+}
 
 template <int Dim>
 double power(double h) {
@@ -91,7 +110,10 @@ template <class K, int Dim>
 void collect(ParticleSet& particles, const PairList& pairs, const ConductionOperator& op,
              std::span<const double> embedded, std::vector<std::size_t>& starts, std::vector<std::int32_t>& neighbours,
              std::vector<double>& factors) {
-  const auto volume = particles[field::volume];
+  const bool rings = particles.layout().axisymmetric();
+  const std::vector<double> sections = rings ? ring_sections(particles) : std::vector<double>{};
+  const std::span<const double> volume = rings ? std::span<const double>(sections) : particles[field::volume];
+  const auto radius = particles.component(field::position, 0);
   const auto h = particles[field::smoothing_length];
   const auto result = particles[field::conduction_correction];
   constexpr double sigma = K::normalisation(Dim);
@@ -117,6 +139,11 @@ void collect(ParticleSet& particles, const PairList& pairs, const ConductionOper
         // vi vj and the sums are the same to the last bit seen from j: the matrix is exactly symmetric.
         factors[first + k] =
             (volume[i] * other_volume[k]) * (-2 / op.lattice_factor) * density * K::slope(r / hk) / (hk * r);
+      }
+      if (rings) {
+        for (std::size_t k = 0; k < n; ++k)
+          factors[first + k] *= std::numbers::pi * (radius[i] + radius[neighbours[first + k]]);
+        sum += mirror_sum<K>(particles, packed.index, i, sections);
       }
       result[i] = op.bulk_sum / sum;
       starts.push_back(factors.size());

@@ -6,6 +6,11 @@
 /// so that G_ij = G_ji >= 0: what leaves i arrives at j, and no temperature leaves the range of its neighbours. Two
 /// factors are ours: M, the lattice factor (lattice_conduction_factor), and s_ij = (s_i + s_j) / 2, s_i = S_bulk /
 /// sum_j V_j W_ij, which makes up for the links a particle at a surface lacks (README.md has the measured effect).
+///
+/// In the axisymmetric space a particle is a ring with the section A = V/(2 pi r), and a link the ring between two
+/// sections: G_ij = pi (r_i + r_j) times the formula of two dimensions with A for V. Sums of the kernel run over the
+/// mirror images at the axis as well, so that the axis is no surface. Heat does not cross it: the links of i to the
+/// image of j and of j to that of i have mean radii of opposite sign and cancel.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +37,8 @@ class HeatGraph {
  public:
   /// Finds the links and fills field::conduction_correction (s_i) of owned particles. `embedded`: sum of V W over
   /// neighbours that are not in the particle set, per owned particle, or empty. Reads position, volume and smoothing
-  /// length of halo copies.
+  /// length of halo copies. In the axisymmetric space copies on the far side of the axis are left out: mirror images
+  /// are made here.
   void build(ParticleSet& particles, const PairList& pairs, const ConductionOperator& op,
              std::span<const double> embedded = {});
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "thermal/ring.hpp"
 
 namespace stirsph {
 namespace {
@@ -62,9 +63,10 @@ struct Quadrature {
 /// Two unit vectors across the normal; along the axes of coordinates where the normal allows it, because lattices are.
 struct TangentFrame {
   Vec3 u, v;
-  TangentFrame(const Vec3& normal, int dim) {
-    if (dim == 2) {
-      u = {-normal.y, normal.x, 0};
+  TangentFrame(const Vec3& normal, const SpaceLayout& layout) {
+    if (layout.dim == 2) {
+      u[layout.axes[0]] = -normal[layout.axes[1]];
+      u[layout.axes[1]] = normal[layout.axes[0]];
       return;
     }
     int least = 0;
@@ -126,12 +128,13 @@ class FootCells {
 template <int Dim>
 class FootIntegral {
  public:
-  FootIntegral(std::span<const SurfaceFoot> feet, double spacing) : feet_(feet), scale_(1 / spacing) {}
+  FootIntegral(std::span<const SurfaceFoot> feet, double spacing, const SpaceLayout& layout)
+      : feet_(feet), scale_(1 / spacing), layout_(layout) {}
 
   /// In units of spacing^(Dim - 1). `around` holds the foot itself.
   double operator()(std::int32_t i, std::span<const std::int32_t> around) {
     const SurfaceFoot& foot = feet_[i];
-    const TangentFrame frame(foot.normal, Dim);
+    const TangentFrame frame(foot.normal, layout_);
     sum_.fill(0);
     cover_.fill(0);
     mean_u_.fill(0);
@@ -188,12 +191,14 @@ class FootIntegral {
 
   std::span<const SurfaceFoot> feet_;
   double scale_;
+  SpaceLayout layout_;
   std::array<double, Points::n> sum_, cover_, mean_u_, mean_v_;
 };
 
 template <int Dim>
-void integrate(std::span<const SurfaceFoot> feet, double spacing, std::vector<double>& areas) {
-  FootIntegral<Dim> integral(feet, spacing);
+void integrate(std::span<const SurfaceFoot> feet, double spacing, const SpaceLayout& layout,
+               std::vector<double>& areas) {
+  FootIntegral<Dim> integral(feet, spacing, layout);
   const double unit = Dim == 3 ? spacing * spacing : spacing;
   FootCells(feet, spacing).visit([&](std::span<const FootCells::Foot> cell, std::span<const std::int32_t> around) {
     for (const auto& foot : cell)
@@ -201,15 +206,33 @@ void integrate(std::span<const SurfaceFoot> feet, double spacing, std::vector<do
   });
 }
 
+/// The feet, behind them those that the far side of the axis has within `reach` of it, so that a surface that crosses
+/// the axis does not end there.
+std::vector<SurfaceFoot> with_mirror_images(std::span<const SurfaceFoot> feet, double reach) {
+  std::vector<SurfaceFoot> all(feet.begin(), feet.end());
+  for (SurfaceFoot foot : feet) {
+    if (foot.point.x >= reach) continue;
+    foot.point.x = -foot.point.x;
+    foot.normal.x = -foot.normal.x;
+    all.push_back(foot);
+  }
+  return all;
+}
+
 }  // namespace
 
-std::vector<double> contact_areas(std::span<const SurfaceFoot> feet, std::size_t owned, double spacing, int dim) {
+std::vector<double> contact_areas(std::span<const SurfaceFoot> feet, std::size_t owned, double spacing,
+                                  const SpaceLayout& layout) {
   STIRSPH_EXPECT(owned <= feet.size(), "the feet of owned particles come first");
   std::vector<double> areas(owned, 0.0);
-  if (dim == 2)
-    integrate<2>(feet, spacing, areas);
-  else
-    integrate<3>(feet, spacing, areas);
+  if (layout.axisymmetric()) {
+    integrate<2>(with_mirror_images(feet, contact_neighbourhood * spacing), spacing, layout, areas);
+    for (std::size_t f = 0; f < owned; ++f) areas[f] *= circumference(feet[f].point.x);
+  } else if (layout.dim == 2) {
+    integrate<2>(feet, spacing, layout, areas);
+  } else {
+    integrate<3>(feet, spacing, layout, areas);
+  }
   return areas;
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/tensor.hpp"
+#include "particles/space.hpp"
 
 namespace stirsph {
 
@@ -33,9 +34,11 @@ inline constexpr double contact_reach = 1.4;
 /// Feet farther apart than this, in spacings, do not affect each other: how far feet of halo copies are needed.
 inline constexpr double contact_neighbourhood = 2.6;
 
-/// Area [m2; m in two dimensions] of each of the first `owned` feet; the others are of halo copies that share the
+/// Area [m2; m in plane strain] of each of the first `owned` feet; the others are of halo copies that share the
 /// surface. All feet are on the same rigid body. Feet whose normals differ by more than 60 degrees do not share: they
-/// are on two sides of a thin wall or of an edge.
-std::vector<double> contact_areas(std::span<const SurfaceFoot> feet, std::size_t owned, double spacing, int dim);
+/// are on two sides of a thin wall or of an edge. In the axisymmetric space feet are in the half-plane (r, 0, z), those
+/// on the far side of the axis are made here, and an area is that of the ring through the foot.
+std::vector<double> contact_areas(std::span<const SurfaceFoot> feet, std::size_t owned, double spacing,
+                                  const SpaceLayout& layout);
 
 }  // namespace stirsph

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "particles/field_names.hpp"
+#include "thermal/ring.hpp"
 
 namespace stirsph {
 namespace {
@@ -92,8 +93,12 @@ class Exposure {
     cover(-normal, std::min(distance, wall_distance));
   }
 
-  /// Area in units of spacing^(Dim - 1).
-  double area() const {
+  /// Area in units of spacing^(Dim - 1), and the outward direction it faces.
+  struct Face {
+    double area = 0;
+    Vec3 direction;
+  };
+  Face face() const {
     Vec3 sum;
     for (int k = 0; k < Directions<Dim>::n; ++k) {
       const double open = std::max(open_[k], 0.0) * directions_.area[k];
@@ -104,11 +109,12 @@ class Exposure {
     Vec3 along = outward_;
     for (const Vec3& normal : walls_) along -= std::min(0.0, dot(along, normal)) * normal;
     const double length = norm(along);
-    if (!(length > 0)) return 0;
+    if (!(length > 0)) return {};
     // A surface that faces the wall within 20 to 35 degrees is in contact; what the steps of a lattice leave open there
     // is not.
     const double facing = walls_.empty() ? 1.0 : std::clamp((length / norm(outward_) - 0.3) / 0.3, 0.0, 1.0);
-    return facing * std::max(0.0, dot(sum, along) / length) / flat_;
+    const Vec3 direction = along / length;
+    return {facing * std::max(0.0, dot(sum, direction)) / flat_, direction};
   }
 
  private:
@@ -128,7 +134,7 @@ class Exposure {
     for (int a = -2; a <= 0; ++a)
       for (int b = -2; b <= 2; ++b)
         for (int c = Dim == 3 ? -2 : 0; c <= (Dim == 3 ? 2 : 0); ++c) add_neighbour({double(a), double(b), double(c)});
-    return area();
+    return face().area;
   }
 
   const Directions<Dim> directions_;
@@ -166,20 +172,34 @@ void expose(const ParticleSet& particles, const PairList& pairs, std::span<const
   const auto volume = particles[field::volume];
   std::array<const double*, Dim> position;
   for (int d = 0; d < Dim; ++d) position[d] = particles.component(field::position, d).data();
+  const bool rings = particles.layout().axisymmetric();
+  const auto& axes = particles.layout().axes;
   const FeetOfParticles feet_of(feet, particles.owned());
   Exposure<Dim> exposure;
   for (std::size_t i = 0; i < particles.owned(); ++i) {
     if (!(correction[i] > least_correction)) continue;
-    const double spacing = Dim == 3 ? std::cbrt(volume[i]) : std::sqrt(volume[i]);
+    const double from_axis = position[0][i];
+    const double cell = rings ? volume[i] / circumference(from_axis) : volume[i];
+    const double spacing = Dim == 3 ? std::cbrt(cell) : std::sqrt(cell);
     exposure.start();
     for (const std::int32_t j : pairs.candidates(i / cluster_size)) {
+      if (rings && is_mirror_image(position[0][j])) continue;
       Vec3 apart;
       for (int d = 0; d < Dim; ++d) apart[d] = (position[d][j] - position[d][i]) / spacing;
       exposure.add_neighbour(apart);
+      if (!rings) continue;
+      apart.x = -(position[0][j] + from_axis) / spacing;  // what lies on the far side of the axis, the ring itself too
+      exposure.add_neighbour(apart);
     }
-    for (const SurfaceFoot* foot : feet_of.of(i))
-      if (foot->distance < contact_reach * spacing) exposure.add_wall(foot->normal, foot->distance / spacing);
-    areas[i] = exposure.area() * (Dim == 3 ? spacing * spacing : spacing);
+    for (const SurfaceFoot* foot : feet_of.of(i)) {
+      Vec3 normal;
+      for (int d = 0; d < Dim; ++d) normal[d] = foot->normal[axes[d]];
+      if (foot->distance < contact_reach * spacing) exposure.add_wall(normal, foot->distance / spacing);
+    }
+    const auto face = exposure.face();
+    areas[i] = face.area * (Dim == 3 ? spacing * spacing : spacing);
+    // The face lies half a spacing outside the centre: a bore is shorter there, a mantle longer.
+    if (rings) areas[i] *= circumference(std::max(0.0, from_axis + 0.5 * spacing * face.direction.x));
   }
 }
 

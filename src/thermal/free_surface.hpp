@@ -16,10 +16,10 @@
 
 namespace stirsph {
 
-/// Free area [m2; m in two dimensions] of each owned particle. `feet`: of owned particles on rigid surfaces of all
-/// bodies, in any order, copies ignored; what faces a rigid body nearer than contact_reach is not free. Reads position
-/// and volume of halo copies; conduction_correction of owned particles, which picks out the few near a surface, must be
-/// up to date.
+/// Free area [m2; m in plane strain; of the ring in the axisymmetric space] of each owned particle. `feet`: of owned
+/// particles on rigid surfaces of all bodies, in any order, copies ignored; what faces a rigid body nearer than
+/// contact_reach is not free. Reads position and volume of halo copies; conduction_correction of owned particles, which
+/// picks out the few near a surface, must be up to date.
 std::vector<double> free_surface_areas(const ParticleSet& particles, const PairList& pairs,
                                        std::span<const SurfaceFoot> feet);
 

@@ -4,15 +4,17 @@
 #include <array>
 #include <cmath>
 
+#include "thermal/ring.hpp"
+
 namespace stirsph {
 
-HybridInterface::HybridInterface(const HeatMesh& mesh, const ShapeFunction& shape, const Kernel& kernel, int dim,
-                                 double spacing, double smoothing_length)
+HybridInterface::HybridInterface(const HeatMesh& mesh, const ShapeFunction& shape, const Kernel& kernel,
+                                 const SpaceLayout& layout, double spacing, double smoothing_length)
     : mesh_(mesh),
       shape_(shape),
       elements_(mesh.mesh()),
       kernel_(kernel),
-      dim_(dim),
+      layout_(layout),
       spacing_(spacing),
       smoothing_length_(smoothing_length),
       reach_(kernel_support(kernel) * smoothing_length) {}
@@ -34,29 +36,35 @@ const std::vector<NodeWeight>& HybridInterface::embedded_at(const std::array<int
   return nodes;
 }
 
-InterfacePoint HybridInterface::point_at(const Vec3& x, double volume, double smoothing_length) {
+InterfacePoint HybridInterface::point_at(const Vec3& at, double volume, double smoothing_length) {
   InterfacePoint point;
+  const bool rings = layout_.axisymmetric();
+  const int dim = layout_.dim;
+  const Vec3 x = rings ? turned_into_half_plane(at) : at;
+  if (rings) volume /= circumference(x.x);
   const double h = 0.5 * (smoothing_length + smoothing_length_);
-  const double embedded_volume = std::pow(spacing_, dim_);
+  const double embedded_volume = std::pow(spacing_, dim);
   const auto visit_path = [&]<class K>(const K&) {
     const double reach = K::support * h;
     std::array<int, 3> low{}, high{}, site{};
-    for (int d = 0; d < dim_; ++d) {
-      low[d] = static_cast<int>(std::floor((x[d] - reach) / spacing_));
-      high[d] = static_cast<int>(std::floor((x[d] + reach) / spacing_));
+    for (int d = 0; d < dim; ++d) {
+      low[d] = static_cast<int>(std::floor((x[layout_.axes[d]] - reach) / spacing_));
+      high[d] = static_cast<int>(std::floor((x[layout_.axes[d]] + reach) / spacing_));
     }
     for (site[0] = low[0]; site[0] <= high[0]; ++site[0])
       for (site[1] = low[1]; site[1] <= high[1]; ++site[1])
         for (site[2] = low[2]; site[2] <= high[2]; ++site[2]) {
           Vec3 place;
-          for (int d = 0; d < dim_; ++d) place[d] = (site[d] + 0.5) * spacing_;
+          for (int d = 0; d < dim; ++d) place[layout_.axes[d]] = (site[d] + 0.5) * spacing_;
           const double r = norm(place - x);
           if (!(r < reach) || !(r > 0)) continue;
           const std::vector<NodeWeight>& nodes = embedded_at(site, place);
           if (nodes.empty()) continue;
-          const double factor = -2 * volume * embedded_volume * kernel_slope<K>(r, h, dim_) / r;
+          point.kernel_sum += embedded_volume * kernel_value<K>(r, h, dim);
+          if (rings && is_mirror_image(place.x)) continue;  // no heat crosses the axis
+          const double length = rings ? circumference(0.5 * (x.x + place.x)) : 1.0;
+          const double factor = -2 * length * volume * embedded_volume * kernel_slope<K>(r, h, dim) / r;
           point.shape_factor += factor;
-          point.kernel_sum += embedded_volume * kernel_value<K>(r, h, dim_);
           for (const NodeWeight& node : nodes) point.nodes.push_back({node.node, factor * node.weight});
         }
   };

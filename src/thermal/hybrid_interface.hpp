@@ -22,11 +22,12 @@ namespace stirsph {
 class HybridInterface {
  public:
   /// `mesh` and `shape` must outlive this. `smoothing_length` [m] of the embedded particles.
-  HybridInterface(const HeatMesh& mesh, const ShapeFunction& shape, const Kernel& kernel, int dim, double spacing,
-                  double smoothing_length);
+  HybridInterface(const HeatMesh& mesh, const ShapeFunction& shape, const Kernel& kernel, const SpaceLayout& layout,
+                  double spacing, double smoothing_length);
 
-  /// The path of one particle at `x` [m, body's frame]; its `shape_factor` is zero when none is near.
-  InterfacePoint point_at(const Vec3& x, double volume, double smoothing_length);
+  /// The path of one particle at a place [m, body's frame; of a ring anywhere on it]; its `shape_factor` is zero when
+  /// none is near.
+  InterfacePoint point_at(const Vec3& at, double volume, double smoothing_length);
   double reach() const { return reach_; }  ///< m from the surface beyond which there is no path
 
  private:
@@ -36,7 +37,7 @@ class HybridInterface {
   const ShapeFunction& shape_;
   ElementSearch elements_;
   Kernel kernel_;
-  int dim_;
+  SpaceLayout layout_;
   double spacing_, smoothing_length_, reach_;
   /// Nodes of each lattice site met so far; none for a site outside the body.
   std::unordered_map<std::uint64_t, std::vector<NodeWeight>> sites_;

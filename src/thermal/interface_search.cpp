@@ -9,17 +9,19 @@
 #include "base/error.hpp"
 #include "particles/field_names.hpp"
 #include "thermal/contact_area.hpp"
+#include "thermal/ring.hpp"
 
 namespace stirsph {
 namespace {
 
 /// Rigid bodies are in the periodic box once: what lies outside it meets them where its image inside does.
-Vec3 into_box(const Domain& domain, Vec3 x) {
-  for (int d = 0; d < domain.dim; ++d) x[d] = domain.wrap(x[d], d);
+Vec3 into_box(const Domain& domain, const SpaceLayout& layout, Vec3 x) {
+  for (int d = 0; d < layout.dim; ++d) x[layout.axes[d]] = domain.wrap(x[layout.axes[d]], d);
   return x;
 }
 
-/// Feet of owned particles first, then those of halo copies; both in storage order.
+/// Feet of owned particles first, then those of halo copies; both in storage order. Without those of mirror images at
+/// an axis.
 std::vector<SurfaceFoot> feet_on(const ParticleSet& particles, const HeatInterface& interface, const RigidBody& rigid,
                                  const Domain& domain, double spacing) {
   const auto body = particles[field::body];
@@ -27,7 +29,8 @@ std::vector<SurfaceFoot> feet_on(const ParticleSet& particles, const HeatInterfa
   for (std::size_t i = 0; i < particles.total(); ++i) {
     if (!interface.bodies[static_cast<std::size_t>(body[i])]) continue;
     const Vec3 x = particles.vector_at(field::position, i);
-    const SurfacePoint surface = rigid.nearest(into_box(domain, x));
+    if (particles.layout().axisymmetric() && is_mirror_image(x.x)) continue;
+    const SurfacePoint surface = rigid.nearest(into_box(domain, particles.layout(), x));
     if (surface.distance >= contact_reach * spacing) continue;
     feet.push_back(
         {static_cast<std::int32_t>(i), x - surface.distance * surface.normal, surface.normal, surface.distance});
@@ -103,21 +106,31 @@ void add_hybrid_points(const ParticleSet& particles, const HeatInterface& interf
 /// than the facets there. Heat that entered a finer mesh at the foot alone would meet the resistance of a point, which
 /// no refinement of the mesh removes.
 void add_parts_of_footprint(const InterfacePoint& whole, const Vec3& foot, const Vec3& normal, const HeatMesh& mesh,
-                            const RigidPose& pose, int dim, std::vector<InterfacePoint>& points) {
+                            const RigidPose& pose, const SpaceLayout& layout, std::vector<InterfacePoint>& points) {
   constexpr double most_parts = 4;  // per direction; the resistance left is that of a mesh as fine as a quarter spacing
-  const double side = dim == 3 ? std::sqrt(whole.area) : whole.area;
+  const int dim = layout.dim;
+  const bool rings = layout.axisymmetric();
+  const double side = dim == 3 ? std::sqrt(whole.area) : rings ? whole.area / circumference(foot.x) : whole.area;
   const SurfacePlace middle = mesh.nearest(pose.to_body(foot));
   const int parts =
       static_cast<int>(std::clamp(std::ceil(side / longest_edge(mesh.mesh(), middle.facet)), 1.0, most_parts));
-  const Vec3 axis = std::abs(normal.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
+  const Vec3 axis = rings ? Vec3{0, 1, 0} : std::abs(normal.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
   const Vec3 along = normalised(cross(normal, axis)), across = cross(normal, along);
   const auto offset = [&](int k) { return ((k + 0.5) / parts - 0.5) * side; };
   const int count = dim == 3 ? parts * parts : parts;
+  const auto place_of = [&](int k) {
+    return foot + offset(k % parts) * along + (dim == 3 ? offset(k / parts) : 0.0) * across;
+  };
+  // Parts farther from an axis are longer rings.
+  const auto weight_of = [&](int k) { return rings && parts > 1 ? std::abs(place_of(k).x) : 1.0; };
+  double weights = 0;
+  for (int k = 0; k < count; ++k) weights += weight_of(k);
   for (int k = 0; k < count; ++k) {
     InterfacePoint part = whole;
-    part.area /= count;
-    part.heat /= count;
-    const Vec3 place = foot + offset(k % parts) * along + (dim == 3 ? offset(k / parts) : 0.0) * across;
+    const double share = weight_of(k) / weights;
+    part.area *= share;
+    part.heat *= share;
+    const Vec3 place = place_of(k);
     part.nodes = nodes_at(mesh, parts == 1 ? middle : mesh.nearest(pose.to_body(place)));
     points.push_back(std::move(part));
   }
@@ -126,13 +139,13 @@ void add_parts_of_footprint(const InterfacePoint& whole, const Vec3& foot, const
 }  // namespace
 
 InterfaceSearch::InterfaceSearch(std::vector<HeatInterface> interfaces, std::span<const RigidBody> rigids,
-                                 std::span<const RigidHeat> heat, const Domain& domain, const Kernel& kernel,
-                                 double spacing, double smoothing_length)
-    : interfaces_(std::move(interfaces)), domain_(domain), spacing_(spacing) {
+                                 std::span<const RigidHeat> heat, const Domain& domain, const SpaceLayout& layout,
+                                 const Kernel& kernel, double spacing, double smoothing_length)
+    : interfaces_(std::move(interfaces)), domain_(domain), layout_(layout), spacing_(spacing) {
   for (const HeatInterface& interface : interfaces_)
     hybrids_.push_back(interface.hybrid ? std::make_unique<HybridInterface>(*heat[interface.rigid].mesh,
                                                                             *rigids[interface.rigid].shape, kernel,
-                                                                            domain.dim, spacing, smoothing_length)
+                                                                            layout, spacing, smoothing_length)
                                         : nullptr);
 }
 
@@ -153,8 +166,8 @@ std::vector<InterfacePoint> InterfaceSearch::take_points(ParticleSet& particles,
       point.pressure = friction.pressure(foot.particle, area);
       point.heat = friction.take(foot.particle);
       if (body.mesh)
-        add_parts_of_footprint(point, into_box(domain_, foot.point), foot.normal, *body.mesh, rigid.pose, domain_.dim,
-                               points);
+        add_parts_of_footprint(point, into_box(domain_, layout_, foot.point), foot.normal, *body.mesh, rigid.pose,
+                               layout_, points);
       else
         points.push_back(std::move(point));
     };
@@ -164,13 +177,13 @@ std::vector<InterfacePoint> InterfaceSearch::take_points(ParticleSet& particles,
       const std::vector<SurfaceFoot> feet = feet_on(particles, interface, rigid, domain_, spacing_);
       const auto owned = static_cast<std::size_t>(std::ranges::count_if(
           feet, [&](const SurfaceFoot& foot) { return std::size_t(foot.particle) < particles.owned(); }));
-      const std::vector<double> areas = contact_areas(feet, owned, spacing_, particles.layout().dim);
+      const std::vector<double> areas = contact_areas(feet, owned, spacing_, layout_);
       for (std::size_t f = 0; f < owned; ++f)
         if (areas[f] > 0) add(feet[f], areas[f]);
     }
     // What the points did not take: of particles that have left the surface, and of hybrid interfaces.
     friction.for_each_left([&](std::size_t i) {
-      const Vec3 x = into_box(domain_, particles.vector_at(field::position, i));
+      const Vec3 x = into_box(domain_, layout_, particles.vector_at(field::position, i));
       const SurfacePoint surface = rigid.nearest(x);
       add({static_cast<std::int32_t>(i), x - surface.distance * surface.normal, surface.normal, surface.distance}, 0.0);
     });
@@ -203,7 +216,7 @@ void InterfaceSearch::check_overlap(const ParticleSet& particles, const HeatInte
   const auto body = particles[field::body];
   for (std::size_t i = 0; i < particles.owned(); ++i) {
     const Vec3 x = particles.vector_at(field::position, i);
-    const double depth = -rigid.nearest(into_box(domain_, x)).distance;
+    const double depth = -rigid.nearest(into_box(domain_, layout_, x)).distance;
     if (!interface.bodies[static_cast<std::size_t>(body[i])] || depth <= allowed) continue;
     throw InputError(fmt::format(
         "rigid \"{}\": it overlaps a deformable body at the start: the centre of particle {} at {} lies {:.4g} mm deep "
@@ -232,7 +245,7 @@ void InterfaceSearch::check_fit(const ParticleSet& particles, std::span<const Ri
                         mesh.mesh().element_number(inside.element), mesh.mesh().source));
     }
     for (const SurfaceFoot& foot : feet_on(particles, interface, rigid, domain_, spacing_)) {
-      const SurfacePlace place = mesh.nearest(rigid.pose.to_body(into_box(domain_, foot.point)));
+      const SurfacePlace place = mesh.nearest(rigid.pose.to_body(into_box(domain_, layout_, foot.point)));
       if (place.distance > largest_gap(mesh.mesh(), place))
         throw InputError(fmt::format(
             "rigid \"{}\": the shape touches a particle at {}, but the nearest facet of {} (of element {}) is {:.4g} "

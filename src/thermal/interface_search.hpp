@@ -27,8 +27,8 @@ class InterfaceSearch {
  public:
   /// `rigids` and `heat` as given to take_points. `smoothing_length` [m] of the undisturbed lattice.
   InterfaceSearch(std::vector<HeatInterface> interfaces, std::span<const RigidBody> rigids,
-                  std::span<const RigidHeat> heat, const Domain& domain, const Kernel& kernel, double spacing,
-                  double smoothing_length);
+                  std::span<const RigidHeat> heat, const Domain& domain, const SpaceLayout& layout,
+                  const Kernel& kernel, double spacing, double smoothing_length);
 
   /// The points of owned particles, interface by interface, in storage order. Reads position, volume and body of halo
   /// copies. A particle holding friction heat for a body keeps a point without area where it has left the surface, so
@@ -50,6 +50,7 @@ class InterfaceSearch {
   std::vector<HeatInterface> interfaces_;
   std::vector<std::unique_ptr<HybridInterface>> hybrids_;  ///< per interface; null for a film
   Domain domain_;
+  SpaceLayout layout_;
   double spacing_;
 };
 

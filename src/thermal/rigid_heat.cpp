@@ -18,8 +18,8 @@ HeatMesh::HeatMesh(SimplexMesh mesh, ThermalProperties material, double density,
   fixed_temperature_.assign(nodes(), 0.0);
   fixed_.assign(nodes(), false);
   for (std::size_t e = 0; e < mesh_.elements.size(); ++e) {
-    const double share = element_volume(mesh_, static_cast<std::int32_t>(e)) / mesh_.corners();
-    for (int c = 0; c < mesh_.corners(); ++c) volume_[mesh_.elements[e][c]] += share;
+    const auto shares = element_shares(mesh_, static_cast<std::int32_t>(e));
+    for (int c = 0; c < mesh_.corners(); ++c) volume_[mesh_.elements[e][c]] += shares[c];
   }
   for (const SurfaceCondition& condition : conditions) {
     if (condition.facets.empty())
@@ -49,8 +49,10 @@ HeatMesh::HeatMesh(SimplexMesh mesh, ThermalProperties material, double density,
 
 std::vector<double> HeatMesh::lumped_area(const std::vector<std::int32_t>& facets) const {
   std::vector<double> area(nodes(), 0.0);
-  for (const std::int32_t facet : facets)
-    for (int c = 0; c < mesh_.dim; ++c) area[mesh_.surface[facet][c]] += facet_area(mesh_, facet) / mesh_.dim;
+  for (const std::int32_t facet : facets) {
+    const auto shares = facet_shares(mesh_, facet);
+    for (int c = 0; c < mesh_.dim; ++c) area[mesh_.surface[facet][c]] += shares[c];
+  }
   return area;
 }
 

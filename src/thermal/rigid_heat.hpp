@@ -21,7 +21,7 @@ struct SurfaceCondition {
 
 /// A rigid body's mesh with what the heat solve needs of it. The same on all ranks; does not change.
 /// Mass and surfaces are lumped to the nodes: a matrix with a diagonal capacity cannot oscillate in time under backward
-/// Euler. In 2-D everything is per metre of depth.
+/// Euler. In plane strain everything is per metre of depth, in the axisymmetric space of the whole ring.
 class HeatMesh {
  public:
   /// Throws InputError when a condition has no facet or a node gets two different fixed temperatures.

@@ -2,7 +2,8 @@
 ///
 /// Nodes of all bodies are numbered through; every rank knows every temperature (a few hundred kilobytes at the paper's
 /// 380,716 tetrahedra), but rows, elements and the solve are shared out by METIS. A lumped body or one of fixed
-/// temperature is a single node. Element conduction: G_ab = -k V grad N_a . grad N_b [W/K], mass lumped.
+/// temperature is a single node. Element conduction: G_ab = -k V grad N_a . grad N_b [W/K], mass lumped. Of a section V
+/// is the volume of the ring: gradients are constant in an element, so that its integral of 2 pi r is exact.
 #pragma once
 
 #include <cstdint>

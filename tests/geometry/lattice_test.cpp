@@ -60,6 +60,21 @@ TEST(Lattice, TwoDimensions) {
   EXPECT_EQ(points.points[0].x, -0.25);
 }
 
+TEST(Lattice, HalfPlane) {
+  const auto rod = make_cylinder(origin, z_axis, 1, 2);
+  for (const double y : {0.0, 0.25}) {  // the origin of a lattice in space may lie beside the half-plane
+    const LatticeSlice points = fill_with_lattice(
+        *rod, 0.5, {.dimensions = 2, .axes = {0, 2, 1}, .half_plane = true, .origin = {0, y, 0}, .margin = 0.25});
+    EXPECT_EQ(points.total, 8);
+    for (const Vec3& p : points.points) {
+      EXPECT_EQ(p.y, 0);
+      EXPECT_GT(p.x, 0);
+    }
+    EXPECT_EQ(points.points[7].x, 0.75);
+    EXPECT_EQ(points.points[7].z, 1.75);
+  }
+}
+
 TEST(Lattice, Errors) {
   const auto message = [](const ShapeFunction& shape, double spacing) {
     try {

@@ -47,7 +47,13 @@ struct MovedPlate {
     heat.push_back(meshed(box_mesh({-9 * mm, -9 * mm, -2 * mm}, {12 * mm, 12 * mm, 0}, 1.7 * mm), steel(), {}));
   }
   InterfaceSearch search(const Lattice& lattice, bool hybrid) const {
-    return {{{0, {true}, hybrid, 0}},           rigids, heat, endless(3), CubicSpline{}, lattice.spacing,
+    return {{{0, {true}, hybrid, 0}},
+            rigids,
+            heat,
+            endless(3),
+            layout_of<Cartesian3>(),
+            CubicSpline{},
+            lattice.spacing,
             lattice.h_over_dx * lattice.spacing};
   }
   RigidPose pose;
@@ -123,8 +129,9 @@ TEST(InterfacePoints, OnlyOfTheChosenBodies) {
     body.particles[field::body][i] = body.particles.vector_at(field::position, i).x < 3 * mm ? 0 : 1;
   const MovedPlate plate;
   for (const bool hybrid : {false, true}) {
-    InterfaceSearch search({{0, {true, false}, hybrid, 0}}, plate.rigids, plate.heat, endless(3), CubicSpline{},
-                           lattice.spacing, lattice.h_over_dx * lattice.spacing);
+    InterfaceSearch search({{0, {true, false}, hybrid, 0}}, plate.rigids, plate.heat, endless(3),
+                           layout_of<Cartesian3>(), CubicSpline{}, lattice.spacing,
+                           lattice.h_over_dx * lattice.spacing);
     std::int64_t count = 0;
     for (const InterfacePoint& point : search.take_points(body.particles, plate.rigids, plate.heat, 1)) {
       EXPECT_EQ(body.particles[field::body][point.particle], 0);
@@ -176,8 +183,8 @@ double flux_ratio(int count, const ThermalProperties& particles, const ThermalPr
   heat[1].temperature = 700;
   heat[1].interface_conductance = infinite;
   const std::vector<RigidBody> rigids{{"solid", shape, {}}, {"hot", shape, {}}};
-  InterfaceSearch search({{0, {true}, true, 0}}, rigids, heat, endless(2), CubicSpline{}, lattice.spacing,
-                         lattice.h_over_dx * lattice.spacing);
+  InterfaceSearch search({{0, {true}, true, 0}}, rigids, heat, endless(2), layout_of<PlaneStrain>(), CubicSpline{},
+                         lattice.spacing, lattice.h_over_dx * lattice.spacing);
   HeatSolver solver(Comm(), CubicSpline{}, 2, settings_for(lattice), {particles});
   const double dt = 1e5;
   HeatReport report;
@@ -207,7 +214,7 @@ TEST(HybridInterface, EmbeddedParticlesFillTheLatticeA1) {
   const double dx = 0.5 * mm;
   const auto shape = std::make_shared<Box>(Vec3{-4 * mm, -4 * mm, -3 * mm}, Vec3{4 * mm, 4 * mm, 0});
   const RigidHeat heat = meshed(box_mesh({-4 * mm, -4 * mm, -3 * mm}, {4 * mm, 4 * mm, 0}, 1 * mm), steel(), {});
-  HybridInterface hybrid(*heat.mesh, *shape, CubicSpline{}, 3, dx, 1.3 * dx);
+  HybridInterface hybrid(*heat.mesh, *shape, CubicSpline{}, layout_of<Cartesian3>(), dx, 1.3 * dx);
   const InterfacePoint point = hybrid.point_at({0.5 * dx, 0.5 * dx, 0.5 * dx}, dx * dx * dx, 1.3 * dx);
   EXPECT_NEAR(point.kernel_sum, (1 - 2.738172e-3) - 0.767847, 1e-6);
   EXPECT_FALSE(hybrid.point_at({0.5 * dx, 0.5 * dx, 3.2 * dx}, dx * dx * dx, 1.3 * dx).shape_factor > 0);

@@ -352,8 +352,8 @@ struct Surrounded {
     bodies[3] = meshed(std::move(mesh), alloy(), {film_at(roof, 400, 293.15)});
     bodies[3].interface_conductance = infinite;
     randomise_nodes(bodies[3], 5);
-    hybrid = std::make_unique<HybridInterface>(*bodies[3].mesh, *above, CubicSpline{}, 3, lattice.spacing,
-                                               lattice.h_over_dx * lattice.spacing);
+    hybrid = std::make_unique<HybridInterface>(*bodies[3].mesh, *above, CubicSpline{}, layout_of<Cartesian3>(),
+                                               lattice.spacing, lattice.h_over_dx * lattice.spacing);
   }
 
   /// With friction heat, which a body of its own kind gets known on the rank that made it only.

@@ -56,7 +56,8 @@ std::vector<double> areas_over_ranks(const std::vector<SurfaceFoot>& feet, int d
   std::vector<SurfaceFoot> mine;
   for (const std::size_t k : owned) mine.push_back(feet[k]);
   for (const std::size_t k : halo) mine.push_back(feet[k]);
-  const auto areas = contact_areas(mine, owned.size(), dx, dim);
+  const auto areas =
+      contact_areas(mine, owned.size(), dx, dim == 2 ? layout_of<PlaneStrain>() : layout_of<Cartesian3>());
   std::vector<double> result(feet.size(), 0.0);
   for (std::size_t k = 0; k < owned.size(); ++k) result[owned[k]] = areas[k];
   comm.sum_in_place(result);
@@ -114,7 +115,7 @@ std::vector<SurfaceFoot> bore_feet(const Cylinder& c, std::size_t& owned) {
 double bore_error(const Cylinder& c) {
   std::size_t owned = 0;
   const auto feet = bore_feet(c, owned);
-  return sum(contact_areas(feet, owned, dx, 3)) / (2 * pi * c.radius * c.height * dx * dx) - 1;
+  return sum(contact_areas(feet, owned, dx, layout_of<Cartesian3>())) / (2 * pi * c.radius * c.height * dx * dx) - 1;
 }
 
 TEST(ContactArea, FlatLatticeIsExact) {
@@ -138,7 +139,7 @@ TEST(ContactArea, TurnedFlatLattice) {
   double worst = 0;
   for (const double angle : {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, pi / 4}) {
     const auto feet = flat_feet([](double x, double y) { return std::abs(x) < 5 && std::abs(y) < 5; }, angle);
-    const auto areas = contact_areas(feet, feet.size(), dx, 3);
+    const auto areas = contact_areas(feet, feet.size(), dx, layout_of<Cartesian3>());
     for (std::size_t k = 0; k < feet.size(); ++k)
       if (feet[k].distance < dx && norm(feet[k].point) < dx)
         worst = std::max(worst, std::abs(areas[k] / (dx * dx) - 1));
@@ -198,7 +199,7 @@ TEST(ContactArea, WideGapsAreNotTouched) {
 TEST(ContactArea, EndsAtItsReach) {
   for (const double below : {1e-3, 1e-15, 0.0}) {
     const std::vector<SurfaceFoot> feet{{0, {}, {0, 0, 1}, contact_reach * (1 - below) * dx}};
-    const double area = contact_areas(feet, 1, dx, 3)[0] / (dx * dx);
+    const double area = contact_areas(feet, 1, dx, layout_of<Cartesian3>())[0] / (dx * dx);
     // Alone a particle touches a disc of its own width; ten by ten quadrature points resolve it to some per cent.
     if (below > 1e-6)
       EXPECT_NEAR(area, pi / 4, 0.05);
@@ -211,7 +212,7 @@ TEST(ContactArea, EndsAtItsReach) {
 TEST(ContactArea, OrderAndRanksDoNotMatter) {
   std::size_t owned = 0;
   const auto feet = bore_feet({.radius = 8, .height = 12, .jitter = 0.1, .free_ends = true}, owned);
-  const auto split = areas_over_ranks(feet, 3), whole = contact_areas(feet, feet.size(), dx, 3);
+  const auto split = areas_over_ranks(feet, 3), whole = contact_areas(feet, feet.size(), dx, layout_of<Cartesian3>());
   for (std::size_t k = 0; k < feet.size(); ++k) EXPECT_NEAR(split[k], whole[k], 1e-13 * dx * dx);
 }
 
@@ -250,7 +251,7 @@ TEST(ContactArea, EdgeOfTheRigidBody) {
 /// Two sides of a sheet thinner than the neighbourhood do not take from each other.
 TEST(ContactArea, TwoSidesOfASheet) {
   auto feet = flat_feet([](double x, double y) { return std::abs(x) < 6 && std::abs(y) < 6; });
-  const double one_side = sum(contact_areas(feet, feet.size(), dx, 3));
+  const double one_side = sum(contact_areas(feet, feet.size(), dx, layout_of<Cartesian3>()));
   const std::size_t n = feet.size();
   for (std::size_t k = 0; k < n; ++k) {
     SurfaceFoot below = feet[k];
@@ -258,7 +259,7 @@ TEST(ContactArea, TwoSidesOfASheet) {
     below.normal = -below.normal;
     feet.push_back(below);
   }
-  EXPECT_NEAR(sum(contact_areas(feet, feet.size(), dx, 3)) / one_side, 2, 1e-12);
+  EXPECT_NEAR(sum(contact_areas(feet, feet.size(), dx, layout_of<Cartesian3>())) / one_side, 2, 1e-12);
 }
 
 TEST(ContactArea, LinesInThePlane) {
