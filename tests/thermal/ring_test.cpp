@@ -11,6 +11,7 @@
 
 #include "geometry/combinations.hpp"
 #include "geometry/mesh_file.hpp"
+#include "geometry/revolved_profile.hpp"
 #include "support/rigid_bodies.hpp"
 #include "thermal/conduction.hpp"
 #include "thermal/contact_area.hpp"
@@ -215,9 +216,9 @@ struct Surroundings {
 };
 
 ShapePointer tube(double inner, double outer, double low, double high) {
-  return std::make_shared<RevolvedPolygon>(
+  return std::make_shared<RevolvedProfile>(
       Vec3{0, 0, low}, Vec3{0, 0, 1},
-      std::vector<RevolvedPolygon::Corner>{{inner, 0}, {outer, 0}, {outer, high - low}, {inner, high - low}}, "tube");
+      std::vector<RevolvedProfile::Vertex>{{inner, 0}, {outer, 0}, {outer, high - low}, {inner, high - low}}, "tube");
 }
 
 TEST(RingAreas, ContactWithAPlateAndABore) {
@@ -342,11 +343,11 @@ TEST(SectionMesh, SpheresConesAndCombinations) {
   };
   const Vec3 up{0, 0, 1};
   check(std::make_shared<Sphere>(Vec3{0, 0, mm}, 4 * mm), 0.5 * mm, 4.0 / 3 * pi * std::pow(4 * mm, 3), 0.01);
-  check(std::make_shared<RevolvedPolygon>(
-            Vec3{}, up, std::vector<RevolvedPolygon::Corner>{{0, 0}, {4 * mm, 0}, {0, 6 * mm}}, "turned"),
+  check(std::make_shared<RevolvedProfile>(
+            Vec3{}, up, std::vector<RevolvedProfile::Vertex>{{0, 0}, {4 * mm, 0}, {0, 6 * mm}}, "turned"),
         0.5 * mm, pi / 3 * std::pow(4 * mm, 2) * 6 * mm, 1e-9);
-  check(std::make_shared<RevolvedPolygon>(
-            Vec3{}, -up, std::vector<RevolvedPolygon::Corner>{{0, 0}, {4 * mm, 0}, {4 * mm, 6 * mm}, {0, 6 * mm}},
+  check(std::make_shared<RevolvedProfile>(
+            Vec3{}, -up, std::vector<RevolvedProfile::Vertex>{{0, 0}, {4 * mm, 0}, {4 * mm, 6 * mm}, {0, 6 * mm}},
             "turned"),
         0.5 * mm, pi * std::pow(4 * mm, 2) * 6 * mm, 1e-9);
   check(std::make_shared<HalfSpace>(Vec3{0, 0, 0}, up), 0.8 * mm, pi * std::pow(6 * mm, 2) * 3 * mm, 1e-9);
