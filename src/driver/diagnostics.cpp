@@ -37,9 +37,12 @@ Diagnostics diagnose(const Simulation& simulation) {
       const double v2 = dot(v, v);
       local.kinetic_physical += 0.5 * mass[i] * v2;
       strain = std::max(strain, plastic[i]);
-      const double square = mechanics->inertia().square(particles.vector_at(field::position, i), v);
-      local.kinetic += 0.5 * mass[i] * square;
-      inertia = std::max(inertia, mass[i] / volume[i] * square / strength[i]);
+      const Inertia& scaled = mechanics->inertia();
+      const Vec3 x = particles.vector_at(field::position, i);
+      local.kinetic += 0.5 * mass[i] * scaled.square(x, v);
+      // A swirl without centrifugal force presses on nothing.
+      const Vec3 felt = scaled.swirl ? v : v - scaled.swirl_part(x, v);
+      inertia = std::max(inertia, mass[i] / volume[i] * scaled.square(x, felt) / strength[i]);
     }
     const MechanicsLedger& work = mechanics->ledger();
     local.elastic = work.elastic - work.diffusion;

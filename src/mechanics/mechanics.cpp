@@ -51,13 +51,18 @@ void MechanicsIn<S>::initialise(ParticleSet& particles) const {
 
 template <class S>
 double MechanicsIn<S>::wave_speed() const {
+  double fastest = pressure_wave_speed();
+  // Swirl travels as a shear wave, the faster the lighter it is.
+  if (inertia_.directional())
+    for (const Material& m : materials_)
+      fastest = std::max(fastest, std::sqrt(m.shear_modulus() / (m.density * inertia_.swirl_scale())));
+  return fastest;
+}
+
+template <class S>
+double MechanicsIn<S>::pressure_wave_speed() const {
   double fastest = 0;
-  for (const Material& m : materials_) {
-    fastest = std::max(fastest, m.sound_speed());
-    // Swirl travels as a shear wave, the faster the lighter it is.
-    if (inertia_.directional())
-      fastest = std::max(fastest, std::sqrt(m.shear_modulus() / (m.density * inertia_.swirl_ratio)));
-  }
+  for (const Material& m : materials_) fastest = std::max(fastest, m.sound_speed());
   return fastest / std::sqrt(settings_.density_scale);
 }
 
@@ -279,7 +284,8 @@ void MechanicsIn<S>::divide_by_inertia(const ParticleSet& particles, double* con
   if constexpr (across < S >> 0) {
     const auto r = particles.component(field::position, 0);
     for (std::size_t i = 0; i < particles.owned(); ++i)
-      if (r[i] < inertia_.axis_reach) force[0][i] /= inertia_.radial_factor(r[i]);
+      if (r[i] < inertia_.axis_reach)
+        for (const int d : {0, 1}) force[d][i] /= inertia_.axis_factor(r[i]);
   }
 }
 

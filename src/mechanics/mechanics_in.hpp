@@ -50,6 +50,7 @@ class MechanicsIn final : public Mechanics {
   bool viscosity_has_own_velocity() const { return S::dim == 3 && settings_.viscosity_without_swirl && viscous(); }
   void add_hoop_stress(const ParticleSet& particles, double* const* force) const;
   void divide_by_inertia(const ParticleSet& particles, double* const* force) const;
+  double pressure_wave_speed() const;
   bool viscous() const { return settings_.viscosity_alpha > 0 || settings_.viscosity_beta > 0; }
   Inertia inertia_;
   std::vector<MaterialConstants> constants_;      ///< per material

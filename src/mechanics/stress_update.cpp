@@ -123,7 +123,7 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
   const MaterialFields<S> f(particles);
   const bool artificial = settings_.artificial_stress > 0, diffusive = settings_.density_diffusion > 0,
              full = settings_.gradient_correction == GradientCorrection::Full;
-  const double diffusion_scale = 2 * settings_.density_diffusion * smoothing_length() * wave_speed() * dt;
+  const double diffusion_scale = 2 * settings_.density_diffusion * smoothing_length() * pressure_wave_speed() * dt;
   Lanes plastic_work = 0.0, elastic_work = 0.0, diffusion_work = 0.0, plastic_heat = 0.0;
 
   const std::size_t last = std::min(first + GradientBlock<S>::size, particles.owned());
