@@ -11,6 +11,7 @@
 #include "geometry/primitives.hpp"
 #include "geometry/shape_input.hpp"
 #include "geometry/tabulated_curve.hpp"
+#include "support/distance_gradient.hpp"
 
 namespace stirsph {
 namespace {
@@ -44,33 +45,18 @@ ShapePointer half_cylinder() {
                                                                   std::make_shared<HalfSpace>(origin, Vec3{1, 0, 0})});
 }
 
-std::vector<Vec3> random_points(int count) {
-  std::mt19937 generator(7);
-  std::uniform_real_distribution<double> along(-1.3, 1.3);
-  std::vector<Vec3> points(count);
-  for (auto& p : points) p = {along(generator), along(generator), along(generator)};
-  return points;
-}
+std::vector<Vec3> random_points(int count) { return testing::random_points(count, 1.3, 7); }
 
 TEST(Shapes, NormalIsTheGradientOfTheDistance) {
-  const double step = 1e-6;
   for (const auto& shape : all_shapes()) {
     int smooth = 0;
     for (const Vec3& p : random_points(3000)) {
       const SurfacePoint at = shape->nearest(p);
       EXPECT_NEAR(norm(at.normal), 1, 1e-12) << shape->describe();
-      Vec3 gradient;
-      double kink = 0;
-      for (int i = 0; i < 3; ++i) {
-        Vec3 forth = p, back = p;
-        forth[i] += step;
-        back[i] -= step;
-        gradient[i] = (shape->distance(forth) - shape->distance(back)) / (2 * step);
-        kink = std::max(kink, std::abs(shape->distance(forth) + shape->distance(back) - 2 * at.distance));
-      }
-      if (kink > 1e-9) continue;  // a point with several nearest surface points
+      const auto gradient = testing::distance_gradient(*shape, p);
+      if (!gradient) continue;
       ++smooth;
-      EXPECT_LT(norm(gradient - at.normal), 2e-3) << shape->describe() << " at " << p.x << " " << p.y << " " << p.z;
+      EXPECT_LT(norm(*gradient - at.normal), 2e-3) << shape->describe() << " at " << p.x << " " << p.y << " " << p.z;
     }
     EXPECT_GT(smooth, 2800) << shape->describe();
   }

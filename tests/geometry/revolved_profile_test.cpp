@@ -15,6 +15,7 @@
 #include "geometry/mesh_shape.hpp"
 #include "geometry/revolved_profile.hpp"
 #include "geometry/shape_input.hpp"
+#include "support/distance_gradient.hpp"
 
 namespace stirsph {
 namespace {
@@ -53,34 +54,19 @@ std::vector<Named> shapes() {
       {"closing die", make_die({0, 0, -0.5}, z_axis, 0.4, 0.9, 1, -10 * degree, 0.1)}};
 }
 
-std::vector<Vec3> random_points(int count) {
-  std::mt19937 generator(11);
-  std::uniform_real_distribution<double> along(-1.2, 1.2);
-  std::vector<Vec3> points(count);
-  for (auto& p : points) p = {along(generator), along(generator), along(generator)};
-  return points;
-}
+std::vector<Vec3> random_points(int count) { return testing::random_points(count, 1.2, 11); }
 
 TEST(RevolvedProfile, NormalIsTheUnitGradientOfTheDistance) {
-  const double step = 1e-6;
   for (const auto& [name, shape] : shapes()) {
     int smooth = 0;
     for (const Vec3& p : random_points(3000)) {
       const SurfacePoint at = shape->nearest(p);
       EXPECT_NEAR(norm(at.normal), 1, 1e-12) << name;
-      Vec3 gradient;
-      double kink = 0;
-      for (int i = 0; i < 3; ++i) {
-        Vec3 forth = p, back = p;
-        forth[i] += step;
-        back[i] -= step;
-        gradient[i] = (shape->distance(forth) - shape->distance(back)) / (2 * step);
-        kink = std::max(kink, std::abs(shape->distance(forth) + shape->distance(back) - 2 * at.distance));
-      }
-      if (kink > 1e-9) continue;  // a point with several nearest surface points
+      const auto gradient = testing::distance_gradient(*shape, p);
+      if (!gradient) continue;
       ++smooth;
-      EXPECT_LT(norm(gradient - at.normal), 1e-3) << name << " at " << p.x << " " << p.y << " " << p.z;
-      EXPECT_NEAR(norm(gradient), 1, 1e-3) << name;
+      EXPECT_LT(norm(*gradient - at.normal), 1e-3) << name << " at " << p.x << " " << p.y << " " << p.z;
+      EXPECT_NEAR(norm(*gradient), 1, 1e-3) << name;
     }
     EXPECT_GT(smooth, 2800) << name;
   }
