@@ -11,7 +11,7 @@ namespace stirsph {
 
 double EnergyBalance::residual() const {
   const double gained =
-      kinetic - initial_kinetic + elastic + plastic + viscous + artificial + diffusion + friction + contact;
+      kinetic - initial_kinetic + elastic + plastic + viscous + artificial + diffusion + unmatched + friction + contact;
   const double scale = std::max({std::abs(external), initial_kinetic, kinetic, plastic + friction});
   return scale > 0 ? (gained - external) / scale : 0.0;
 }
@@ -50,6 +50,7 @@ Diagnostics diagnose(const Simulation& simulation) {
     local.viscous = work.viscous;
     local.artificial = work.artificial;
     local.diffusion = work.diffusion;
+    local.unmatched = work.unmatched;
     local.external = simulation.load_ledger().body_force + simulation.load_ledger().grips;
   }
   std::int64_t leaked = 0;
@@ -73,24 +74,16 @@ Diagnostics diagnose(const Simulation& simulation) {
                            local.viscous,
                            local.artificial,
                            local.diffusion,
+                           local.unmatched,
                            local.friction,
                            local.contact,
                            local.external,
                            static_cast<double>(leaked),
                            static_cast<double>(particles.owned())};
   comm.sum_in_place(sums);
-  d.energy = {sums[0],
-              sums[1],
-              sums[2],
-              sums[3],
-              sums[4],
-              sums[5],
-              sums[6],
-              sums[7],
-              sums[8],
-              sums[9],
-              simulation.load_ledger().initial_kinetic};
-  d.leaked = static_cast<std::int64_t>(sums[10]) + simulation.particle_count() - static_cast<std::int64_t>(sums[11]);
+  d.energy = {sums[0], sums[1], sums[2], sums[3], sums[4],  sums[5],
+              sums[6], sums[7], sums[8], sums[9], sums[10], simulation.load_ledger().initial_kinetic};
+  d.leaked = static_cast<std::int64_t>(sums[11]) + simulation.particle_count() - static_cast<std::int64_t>(sums[12]);
   std::vector<double> maxima{hottest, -coldest, strain, inertia};
   comm.max_in_place(maxima);
   d.temperature_max = maxima[0];
@@ -120,7 +113,7 @@ std::vector<HistoryColumn> history_columns(const Scene& scene) {
   std::vector<HistoryColumn> columns{{"step", "1"}, {"dt", "s"}, {"T_min", "K"}, {"T_max", "K"}};
   if (scene.mechanics) {
     for (const char* name : {"kinetic", "kinetic_physical", "elastic", "plastic", "viscous", "artificial_stress",
-                             "diffusion", "friction", "contact", "external_work"})
+                             "diffusion", "unmatched", "friction", "contact", "external_work"})
       columns.push_back({std::string("energy.") + name, "J"});
     for (const char* name : {"energy.residual", "kinetic_over_internal", "inertia_number", "viscous_over_plastic",
                              "plastic_strain_max", "penetration_over_dx"})
@@ -171,8 +164,8 @@ std::vector<double> history_row(const Simulation& simulation, const Diagnostics&
   if (scene.mechanics) {
     const EnergyBalance& e = d.energy;
     const double internal = e.elastic + e.plastic;
-    put({e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.artificial, e.diffusion, e.friction,
-         e.contact, e.external, e.residual(), internal > 0 ? e.kinetic / internal : 0.0, d.inertia_number,
+    put({e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.artificial, e.diffusion, e.unmatched,
+         e.friction, e.contact, e.external, e.residual(), internal > 0 ? e.kinetic / internal : 0.0, d.inertia_number,
          d.viscous_ratio, d.plastic_strain_max, simulation.largest_penetration() / scene.numerics.spacing,
          simulation.largest_speed()});
   }

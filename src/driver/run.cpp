@@ -276,11 +276,12 @@ void Run::print_report(const Diagnostics& d) {
   const EnergyBalance& e = d.energy;
   log::info(fmt::format("t = {:.6g} s after {} steps, {:.1f} s wall", clock.time, clock.step, elapsed()));
   if (simulation_.mechanics()) {
-    log::info(fmt::format(
-        "energy [J]: kinetic {:.4g} (physical {:.3g}), elastic {:.4g}, plastic {:.4g}, viscous {:.4g}, "
-        "artificial stress {:.4g}, density diffusion {:.4g}, friction {:.4g}, contact {:.4g}, external work {:.4g}",
-        e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.artificial, e.diffusion, e.friction,
-        e.contact, e.external));
+    log::info(
+        fmt::format("energy [J]: kinetic {:.4g} (physical {:.3g}), elastic {:.4g}, plastic {:.4g}, viscous {:.4g}, "
+                    "artificial stress {:.4g}, density diffusion {:.4g}, unmatched {:.4g}, friction {:.4g}, contact "
+                    "{:.4g}, external work {:.4g}",
+                    e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.artificial, e.diffusion,
+                    e.unmatched, e.friction, e.contact, e.external));
     log::info(fmt::format(
         "energy residual {:.3g}; viscous/plastic dissipation {:.3g}; inertia number {:.3g}; leaked particles {}",
         e.residual(), d.viscous_ratio, d.inertia_number, d.leaked));

@@ -20,6 +20,7 @@ struct MechanicsLedger {
   double viscous = 0;       ///< dissipated by artificial viscosity
   double artificial = 0;    ///< taken out by the artificial stress; negative when it feeds noise
   double diffusion = 0;     ///< taken out by density diffusion
+  double unmatched = 0;     ///< taken out by the forces where nothing yields, but not stored (correction `velocity`)
   double plastic_heat = 0;  ///< part of `plastic` turned into heat (eq. 13)
 };
 

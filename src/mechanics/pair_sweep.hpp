@@ -123,7 +123,9 @@ template <class S>
 struct GradientBlock {
   static constexpr std::size_t clusters = 32;  ///< results of this many clusters stay in the first-level cache
   static constexpr std::size_t size = clusters * cluster_size;
-  alignas(64) double gradient[S::velocity_components * S::dim][size];  ///< d v_a / d x_b at a * dim + b
+  using Gradient = double[S::velocity_components * S::dim][size];
+  alignas(64) Gradient gradient;  ///< d v_a / d x_b at a * dim + b
+  alignas(64) Gradient plain;     ///< the same before its correction; set where the momentum sum has none
   alignas(64) double correction[S::dim * S::dim][size];  ///< M^-1, identity where it is singular; set when asked for
   alignas(64) double diffusion[size];  ///< sum of V_j (e_i - e_j) W'/r; W' < 0, so it pulls e_i towards its neighbours
 };
@@ -238,7 +240,13 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
       ActivePairs::Writer behind(active, cluster, part / lanes);
       for (const std::int32_t j : pairs.candidates_behind(cluster)) behind.take(j, visit(j));
 
+      const std::size_t at = (cluster - first) * cluster_size + part;
+      const auto store = [&](typename GradientBlock<S>::Gradient& to) {
+        for (int a = 0; a < components; ++a)
+          for (int b = 0; b < dim; ++b) gradient.a[a][b].copy_to(&to[a * dim + b][at], stdx::vector_aligned);
+      };
       if constexpr (Corrected) {
+        if constexpr (!KeepCorrection) store(block.plain);
         for (int b = 0; b < dim; ++b)
           for (int a = b + 1; a < dim; ++a) moment.a[a][b] = moment.a[b][a];
         // L = G M^-1 (M symmetric). A particle with too few or coplanar neighbours keeps the plain sum: its moment is
@@ -268,13 +276,10 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
             for (int b = 0; b < dim; ++b) {
               Lanes inverse = a == b ? 1.0 : 0.0;
               stdx::where(sound, inverse) = cofactors.a[a][b] / det;
-              inverse.copy_to(&block.correction[a * dim + b][(cluster - first) * cluster_size + part],
-                              stdx::vector_aligned);
+              inverse.copy_to(&block.correction[a * dim + b][at], stdx::vector_aligned);
             }
       }
-      const std::size_t at = (cluster - first) * cluster_size + part;
-      for (int a = 0; a < components; ++a)
-        for (int b = 0; b < dim; ++b) gradient.a[a][b].copy_to(&block.gradient[a * dim + b][at], stdx::vector_aligned);
+      store(block.gradient);
       if constexpr (Diffusion) diffusion.copy_to(&block.diffusion[at], stdx::vector_aligned);
     }
   }

@@ -63,7 +63,7 @@ struct MaterialFields {
 /// gradients of v_r, omega and v_z. Three dimensions without inertia of the swirl: particles have moved along circles,
 /// and only what is left of the gradient without their spin tells how the middle of the step differs from its end.
 template <class S>
-LaneMatrix<Lanes, S::tensor_dim> midstep_gradient(const GradientBlock<S>& block, std::size_t at,
+LaneMatrix<Lanes, S::tensor_dim> midstep_gradient(const typename GradientBlock<S>::Gradient& sums, std::size_t at,
                                                   const MaterialFields<S>& f, std::size_t i, const Inertia& inertia,
                                                   double dt) {
   constexpr int dim = S::dim;
@@ -74,12 +74,12 @@ LaneMatrix<Lanes, S::tensor_dim> midstep_gradient(const GradientBlock<S>& block,
     const Lanes radius = max(load(f.position[0] + i), Lanes(inertia.core));
     for (int a = 0; a < S::velocity_components; ++a)
       for (int b = 0; b < dim; ++b)
-        gradient.a[a][S::axes[b]] = load(&block.gradient[a * dim + b][at]) * (a == 1 ? radius : Lanes(1.0));
+        gradient.a[a][S::axes[b]] = load(&sums[a * dim + b][at]) * (a == 1 ? radius : Lanes(1.0));
     gradient.a[1][1] = load(f.velocity[0] + i) / radius;
     return to_midstep(gradient, dt);
   } else {
     for (int a = 0; a < dim; ++a)
-      for (int b = 0; b < dim; ++b) gradient.a[a][b] = load(&block.gradient[a * dim + b][at]);
+      for (int b = 0; b < dim; ++b) gradient.a[a][b] = load(&sums[a * dim + b][at]);
     if constexpr (dim == 3)
       if (!inertia.swirl) {
         const Lanes x = load(f.position[0] + i), y = load(f.position[1] + i);
@@ -94,6 +94,19 @@ LaneMatrix<Lanes, S::tensor_dim> midstep_gradient(const GradientBlock<S>& block,
       }
     return to_midstep(gradient, dt);
   }
+}
+
+/// Work per volume [J/m3] of a step's deformation on the mean of the old and the new stress.
+template <class S>
+Lanes stress_work(const LaneMatrix<Lanes, S::tensor_dim>& gradient, const Lanes (&before)[S::stress_components],
+                  const Lanes (&after)[S::stress_components], double dt) {
+  Lanes work = 0.0;
+  for (int i = 0; i < S::tensor_dim; ++i)
+    for (int j = 0; j < S::tensor_dim; ++j) {
+      const int c = symmetric_index(std::min(i, j), std::max(i, j));
+      work += (before[c] + after[c]) * gradient.a[i][j];
+    }
+  return 0.5 * dt * work;
 }
 
 /// The return map of up to a cluster of particles. Returns its iterations.
@@ -122,9 +135,10 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
   constexpr int dim = S::dim, components = S::stress_components;
   const MaterialFields<S> f(particles);
   const bool artificial = settings_.artificial_stress > 0, diffusive = settings_.density_diffusion > 0,
-             full = settings_.gradient_correction == GradientCorrection::Full;
+             full = settings_.gradient_correction == GradientCorrection::Full,
+             unmatched = settings_.gradient_correction == GradientCorrection::Velocity;
   const double diffusion_scale = 2 * settings_.density_diffusion * smoothing_length() * pressure_wave_speed() * dt;
-  Lanes plastic_work = 0.0, elastic_work = 0.0, diffusion_work = 0.0, plastic_heat = 0.0;
+  Lanes plastic_work = 0.0, elastic_work = 0.0, diffusion_work = 0.0, unmatched_work = 0.0, plastic_heat = 0.0;
 
   const std::size_t last = std::min(first + GradientBlock<S>::size, particles.owned());
   const auto constant = [&](double MaterialConstants::*value, std::size_t at) {
@@ -139,10 +153,11 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
     alignas(64) std::array<double, cluster_size> trial, increment{};
     Lanes s[parts][components], turned[parts][components], rate[parts][components], dilatation[parts], old_work[parts],
         trial_work[parts];
+    Lanes old_stress[parts][components];
     for (std::size_t p = 0; p < parts; ++p) {
       const std::size_t at = i0 + p * lanes;
-      const auto step = step_deformation<S>(midstep_gradient(block, at - first, f, at, inertia_, dt), dt);
-      for (int c = 0; c < components; ++c) s[p][c] = load(f.deviator[c] + at);
+      const auto step = step_deformation<S>(midstep_gradient<S>(block.gradient, at - first, f, at, inertia_, dt), dt);
+      for (int c = 0; c < components; ++c) old_stress[p][c] = s[p][c] = load(f.deviator[c] + at);
       const TrialWork<Lanes> work =
           elastic_trial<S>(s[p], turned[p], step, constant(&MaterialConstants::shear, at), dt);
       old_work[p] = work.old_stress;
@@ -203,14 +218,24 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
             store_lanes(sum, f.corrected[a * dim + b] + at, filled);
           }
 
-      // Work per volume: strain times the mean of old and new stress; what is not plastic is stored.
+      // Work per volume: strain times the mean of old and new stress; what is not plastic is stored. Where the momentum
+      // sum is not the adjoint of the gradient, the forces take another work out of the motion than this strain: what
+      // they take and the metal does not store is what plastic flow has turned into heat.
       stdx::where(lane_numbers() >= Lanes(static_cast<double>(filled)), volume) = 0.0;
       const Lanes deviatoric_work = 0.5 * (old_work[p] + end_work);
-      const Lanes plastic = select(yields, Lanes(plastic_increment * flow), Lanes(0.0));
       const Lanes pressure_work = -0.5 * (old_pressure - mean) * deformed;
+      Lanes plastic = select(yields, Lanes(plastic_increment * flow), Lanes(0.0));
+      const Lanes stored = deviatoric_work + pressure_work - plastic;
+      if (unmatched) {
+        for (int c = 0; c < 3; ++c) old_stress[p][c] -= old_pressure;
+        const Lanes taken =
+            stress_work<S>(midstep_gradient<S>(block.plain, at - first, f, at, inertia_, dt), old_stress[p], total, dt);
+        plastic = select(yields, Lanes(taken - stored), Lanes(0.0));
+        unmatched_work += (taken - stored - plastic) * volume;
+      }
       const Lanes heat = constant(&MaterialConstants::taylor_quinney, at) * plastic * volume;
       plastic_work += plastic * volume;
-      elastic_work += (deviatoric_work - plastic + pressure_work) * volume;
+      elastic_work += stored * volume;
       diffusion_work += 0.5 * (old_pressure - mean) * smoothed * volume;
       plastic_heat += heat;
       store_lanes(load(f.plastic_strain + at) + plastic_increment, f.plastic_strain + at, filled);
@@ -221,6 +246,7 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
   ledger_.plastic += sum_of(plastic_work);
   ledger_.elastic += sum_of(elastic_work);
   ledger_.diffusion += sum_of(diffusion_work);
+  ledger_.unmatched += sum_of(unmatched_work);
   ledger_.plastic_heat += sum_of(plastic_heat);
 }
 
