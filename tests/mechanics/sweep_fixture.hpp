@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "mechanics/pair_sweep.hpp"
@@ -21,6 +22,8 @@ LatticeBody disordered_body(int count, double h_over_dx, double support, double 
   lattice.support = support;
   lattice.density = 2785;
   lattice.jitter = 0.2;
+  lattice.axisymmetric = across<S> > 0;
+  if (lattice.axisymmetric) lattice.inside = [spacing](const Vec3& x) { return x.x > 4 * spacing; };  // no images
   LatticeBody body(Comm(), lattice, [](ParticleSet& particles) {
     for (const FieldInfo* info :
          {&field::velocity, &field::acceleration, &field::volumetric_strain, &field::stress_deviator, &field::stress,
@@ -29,8 +32,9 @@ LatticeBody disordered_body(int count, double h_over_dx, double support, double 
       particles.add(*info);
   });
   ParticleSet& p = body.particles;
-  const double volume = std::pow(spacing, S::dim);
   for (std::size_t i = 0; i < p.total(); ++i) {
+    double volume = std::pow(spacing, S::dim);
+    if constexpr (across < S >> 0) volume *= 2 * std::numbers::pi * p.component(field::position, 0)[i];
     std::mt19937_64 random(static_cast<std::uint64_t>(p[field::id][i]) + 99);
     std::uniform_real_distribution<double> even(-1, 1);
     p[field::volume][i] = volume * (1 + 0.1 * even(random));
@@ -45,7 +49,8 @@ LatticeBody disordered_body(int count, double h_over_dx, double support, double 
       p.component(field::stress, c)[i] = 1e8 * even(random);
       p.component(field::artificial_stress, c)[i] = 1e7 * even(random);
     }
-    for (int c = 0; c < S::dim * S::dim; ++c) p.component(field::corrected_stress, c)[i] = 1e8 * even(random);
+    for (int c = 0; c < S::velocity_components * S::dim; ++c)
+      p.component(field::corrected_stress, c)[i] = 1e8 * even(random);
   }
   return body;
 }

@@ -28,6 +28,7 @@ struct Lattice {
   double density = 1;  ///< kg/m3
   double jitter = 0;   ///< each coordinate moves by up to +- jitter * spacing
   int dim = 3;
+  bool axisymmetric = false;                  ///< two dimensions r and z; the test makes sections into rings
   std::function<bool(const Vec3&)> inside{};  ///< keeps the particles whose lattice point [m] is inside; all when empty
 };
 
@@ -38,7 +39,10 @@ class LatticeBody {
  public:
   template <class AddFields>
   LatticeBody(Comm comm, const Lattice& lattice, AddFields&& add_fields)
-      : particles(lattice.dim == 2 ? layout_of<PlaneStrain>() : layout_of<Cartesian3>()), halo(comm) {
+      : particles(lattice.axisymmetric ? layout_of<AxisymmetricSwirl>()
+                  : lattice.dim == 2   ? layout_of<PlaneStrain>()
+                                       : layout_of<Cartesian3>()),
+        halo(comm) {
     for (const FieldInfo* info : {&field::id, &field::body, &field::material, &field::mass, &field::position,
                                   &field::volume, &field::smoothing_length})
       particles.add(*info);
