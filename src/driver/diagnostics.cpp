@@ -10,8 +10,8 @@
 namespace stirsph {
 
 double EnergyBalance::residual() const {
-  const double gained =
-      kinetic - initial_kinetic + elastic + plastic + viscous + artificial + diffusion + unmatched + friction + contact;
+  const double gained = kinetic - initial_kinetic - rescaling + elastic + plastic + viscous + artificial + diffusion +
+                        unmatched + friction + contact;
   const double scale = std::max({std::abs(external), initial_kinetic, kinetic, plastic + friction});
   return scale > 0 ? (gained - external) / scale : 0.0;
 }
@@ -79,10 +79,12 @@ Diagnostics diagnose(const Simulation& simulation) {
                            local.contact,
                            local.external,
                            static_cast<double>(leaked),
-                           static_cast<double>(particles.owned())};
+                           static_cast<double>(particles.owned()),
+                           simulation.load_ledger().rescaling};
   comm.sum_in_place(sums);
   d.energy = {sums[0], sums[1], sums[2], sums[3], sums[4],  sums[5],
-              sums[6], sums[7], sums[8], sums[9], sums[10], simulation.load_ledger().initial_kinetic};
+              sums[6], sums[7], sums[8], sums[9], sums[10], simulation.load_ledger().initial_kinetic,
+              sums[13]};
   d.leaked = static_cast<std::int64_t>(sums[11]) + simulation.particle_count() - static_cast<std::int64_t>(sums[12]);
   std::vector<double> maxima{hottest, -coldest, strain, inertia};
   comm.max_in_place(maxima);
@@ -119,6 +121,12 @@ std::vector<HistoryColumn> history_columns(const Scene& scene) {
                              "plastic_strain_max", "penetration_over_dx"})
       columns.push_back({name, "1"});
     columns.push_back({"speed_max", "m/s"});
+    if (scene.limits.guard_steps > 0)
+      for (const char* name : guard_names) columns.push_back({std::string("guard.") + name, "1"});
+    if (scene.inertia_tolerance > 0) {
+      columns.push_back({"density_scale", "1"});
+      columns.push_back({"energy.rescaling", "J"});
+    }
   }
   for (const RigidScene& rigid : scene.rigids) {
     if (scene.mechanics) {
@@ -168,6 +176,9 @@ std::vector<double> history_row(const Simulation& simulation, const Diagnostics&
          e.friction, e.contact, e.external, e.residual(), internal > 0 ? e.kinetic / internal : 0.0, d.inertia_number,
          d.viscous_ratio, d.plastic_strain_max, simulation.largest_penetration() / scene.numerics.spacing,
          simulation.largest_speed()});
+    if (const InertiaGuards* guards = simulation.guards())
+      for (int k = 0; k < guard_count; ++k) put({guards->value(static_cast<Guard>(k))});
+    if (const ScalingSchedule* schedule = simulation.schedule()) put({schedule->scale(), e.rescaling});
   }
   std::vector<double> contact(5 * scene.rigids.size(), 0.0);
   if (scene.mechanics && simulation.contact() && !simulation.contact()->loads().empty()) {

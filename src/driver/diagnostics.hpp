@@ -17,6 +17,7 @@ struct EnergyBalance {
   double elastic = 0, plastic = 0, viscous = 0, artificial = 0, diffusion = 0, unmatched = 0, friction = 0, contact = 0;
   double external = 0;  ///< by rigid bodies, body force and grips
   double initial_kinetic = 0;
+  double rescaling = 0;  ///< kinetic energy that changes of the density scale made
   /// (gained + dissipated - work done)/(largest of the energies involved); zero before anything happened.
   double residual() const;
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
@@ -31,6 +32,20 @@ namespace {
 volatile std::sig_atomic_t stop_signal = 0;
 void remember_signal(int number) { stop_signal = number; }
 
+/// Guards and schedule as members of the summary's object, each with a comma before it.
+std::string inertia_summary(const Simulation& simulation) {
+  std::string text;
+  if (const InertiaGuards* guards = simulation.guards())
+    for (int k = 0; k < guard_count; ++k)
+      text += fmt::format(", \"guard_{}\": {:.4g}", guard_names[k], guards->largest(static_cast<Guard>(k)));
+  if (const ScalingSchedule* schedule = simulation.schedule())
+    text += fmt::format(
+        ", \"density_scale_first\": {:.6g}, \"density_scale_largest\": {:.6g}, \"density_scale_last\": {:.6g}, "
+        "\"density_scale_changes\": {}",
+        simulation.scene().numerics.density_scale, schedule->largest_so_far(), schedule->scale(), schedule->changes());
+  return text;
+}
+
 /// Everything a run does besides stepping.
 class Run {
  public:
@@ -53,6 +68,7 @@ class Run {
   void begin();
   void print_header() const;
   void after_step();
+  void watch_inertia();
   void record_history();
   void write_snapshot();
   void save(const std::string& why);
@@ -73,6 +89,8 @@ class Run {
   double first_time_ = 0;
   std::int64_t first_step_ = 0;
   double last_progress_ = 0, last_checkpoint_ = 0, checkpoint_cost_ = 0;
+  std::array<bool, guard_count> warned_{};  ///< once in this program's life is enough
+  double last_scale_ = 0;
   std::int64_t last_snapshot_step_ = -1, last_checkpoint_step_ = -1;
 };
 
@@ -155,6 +173,7 @@ void Run::begin() {
   }
   first_time_ = simulation_.clock().time;
   first_step_ = simulation_.clock().step;
+  if (simulation_.mechanics()) last_scale_ = simulation_.mechanics()->inertia().scale;
   history_times_.begin(simulation_.clock());
   snapshot_times_.begin(simulation_.clock());
 }
@@ -162,6 +181,7 @@ void Run::begin() {
 void Run::after_step() {
   const OutputScene& output = simulation_.scene().output;
   const std::int64_t step = simulation_.clock().step;
+  watch_inertia();
   const bool by_steps = output.history_steps > 0 && step % output.history_steps == 0;
   if (history_times_.due(simulation_.clock()) || by_steps) record_history();
   if (snapshot_times_.due(simulation_.clock())) write_snapshot();
@@ -169,6 +189,32 @@ void Run::after_step() {
   const bool checkpoint_by_steps = output.checkpoint_steps > 0 && step % output.checkpoint_steps == 0;
   if (simulation_.requests.checkpoint || checkpoint_by_steps) save("");
   if (simulation_.requests.progress) print_progress();
+}
+
+/// Reports changes of the scaling and guards above their limits.
+void Run::watch_inertia() {
+  const InertiaGuards* guards = simulation_.guards();
+  const Clock& clock = simulation_.clock();
+  if (!guards || !guards->due(clock.step)) return;
+  if (const double scale = simulation_.mechanics()->inertia().scale; scale != last_scale_) {
+    log::info(
+        fmt::format("density scale {:.4g} -> {:.4g} at t = {:.6g} s (plastic share of the power {:.2g}); dt {:.3g} s",
+                    last_scale_, scale, clock.time, guards->flow_share(), clock.next_dt));
+    last_scale_ = scale;
+  }
+  if (!guards->settled()) return;
+  for (int k = 0; k < guard_count; ++k) {
+    const auto guard = static_cast<Guard>(k);
+    if (warned_[k] || guards->value(guard) <= guards->limit(guard) * (1 + 1e-9)) continue;
+    warned_[k] = true;
+    const std::string message = fmt::format(
+        "the guard \"{}\" of the scaled inertia is {:.3g}, above limits.guard_{} = {:.3g}, at t = {:.6g} s: the answer "
+        "is no longer that of the metal alone. To lower it, {}",
+        guard_names[k], guards->value(guard), guard_names[k], guards->limit(guard), clock.time,
+        InertiaGuards::remedy(guard));
+    if (simulation_.scene().limits.guards_stop) throw BlowUp(message + "; or set limits.guard_action = \"warn\"");
+    log::warning(message);
+  }
 }
 
 void Run::record_history() {
@@ -240,7 +286,7 @@ void Run::print_header() const {
         "dt {:.4g} s from {}; wave speed {:.4g} m/s (density scale {:.4g}, elastic scale {:.4g}); {:.0f} B per "
         "particle",
         simulation_.clock().next_dt, scene.time.fixed_step > 0 ? "time.step" : "the Courant number",
-        simulation_.mechanics()->wave_speed(), scene.numerics.density_scale, scene.numerics.elastic_scale,
+        simulation_.mechanics()->wave_speed(), simulation_.mechanics()->inertia().scale, scene.numerics.elastic_scale,
         static_cast<double>(bytes) / static_cast<double>(std::max<std::int64_t>(1, simulation_.particle_count()))));
   log::info(fmt::format("{:>9} {:>11} {:>9} {:>8} {:>8} {:>9} {:>7} {:>10} {:>9} {:>8} {:>8} {:>7} {:>6} {:>7}", "step",
                         "t [s]", "dt [s]", "wall[s]", "ETA [s]", "part-st/s", "T max", "tool F [N]", "M [N m]", "KE/IE",
@@ -285,6 +331,18 @@ void Run::print_report(const Diagnostics& d) {
     log::info(fmt::format(
         "energy residual {:.3g}; viscous/plastic dissipation {:.3g}; inertia number {:.3g}; leaked particles {}",
         e.residual(), d.viscous_ratio, d.inertia_number, d.leaked));
+    if (const InertiaGuards* guards = simulation_.guards()) {
+      std::string values;
+      for (int k = 0; k < guard_count; ++k)
+        values += fmt::format("{}{} {:.3g} (largest {:.3g}, limit {:.3g})", k > 0 ? "; " : "", guard_names[k],
+                              guards->value(static_cast<Guard>(k)), guards->largest(static_cast<Guard>(k)),
+                              guards->limit(static_cast<Guard>(k)));
+      log::info("inertia guards now: " + values);
+    }
+    if (const ScalingSchedule* schedule = simulation_.schedule())
+      log::info(fmt::format("density scale: {:.4g} at the start, at most {:.4g}, {:.4g} now; {} changes",
+                            simulation_.scene().numerics.density_scale, schedule->largest_so_far(), schedule->scale(),
+                            schedule->changes()));
     const ListUpkeep& upkeep = simulation_.list_upkeep();
     const double cost = comm_.sum(simulation_.renewal_cost()) / comm_.size();
     const double imbalance = simulation_.imbalance(), measured = simulation_.measured_imbalance();
@@ -338,10 +396,11 @@ void Run::write_summary(const Diagnostics& d) {
           "{{\"wall_s\": {:.3f}, \"steps\": {}, \"time_s\": {:.9g}, \"particles\": {}, \"ranks\": {}, "
           "\"tube_length_mm\": {:.4g}, \"T_max_K\": {:.6g}, \"lost_particles\": {}, "
           "\"velocity_limit_s\": {:.6g}, "
-          "\"energy_residual\": {:.4g}, \"inertia_number\": {:.4g}, \"spacing_mm\": {:.6g}, \"materials\": [{}]}}\n",
+          "\"energy_residual\": {:.4g}, \"inertia_number\": {:.4g}, \"spacing_mm\": {:.6g}, \"materials\": [{}]{}}}\n",
           elapsed(), simulation_.clock().step, simulation_.clock().time, simulation_.particle_count(), comm_.size(),
           1e3 * tube, d.temperature_max, d.leaked, control ? control->time_at_velocity_limit() : 0.0,
-          d.energy.residual(), d.inertia_number, 1e3 * scene.numerics.spacing, materials));
+          d.energy.residual(), d.inertia_number, 1e3 * scene.numerics.spacing, materials,
+          inertia_summary(simulation_)));
 }
 
 }  // namespace

@@ -96,6 +96,7 @@ void Simulation::step() {
   clock_.time += dt;
   clock_.step += 1;
   list_upkeep_.steps += 1;
+  look_at_inertia();
   vote();
 }
 

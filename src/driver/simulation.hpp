@@ -10,6 +10,8 @@
 #include "base/comm.hpp"
 #include "base/timer.hpp"
 #include "contact/contact.hpp"
+#include "driver/inertia_guards.hpp"
+#include "driver/scaling_schedule.hpp"
 #include "driver/step_vote.hpp"
 #include "io/checkpoint.hpp"
 #include "mechanics/mechanics.hpp"
@@ -33,6 +35,7 @@ struct Clock {
 struct LoadLedger {
   double body_force = 0;
   double grips = 0;
+  double rescaling = 0;        ///< kinetic energy that changes of the density scale made
   double initial_kinetic = 0;  ///< scaled inertia, all ranks
 };
 
@@ -76,6 +79,8 @@ class Simulation {
   /// New pair lists out of turn; for measurements. Collective.
   void renew_neighbours_now() { renew_neighbours(); }
   bool finished() const;
+  /// From now on, another scaling of the mass, with all that depends on it. Between steps.
+  void change_density_scale(double scale);
 
   /// State that is not a particle field, for the checkpoint.
   NamedState named_state() const;
@@ -88,6 +93,9 @@ class Simulation {
   const Neighbourhood& neighbourhood() const { return *neighbourhood_; }
   Mechanics* mechanics() const { return mechanics_.get(); }
   Contact* contact() const { return contact_.get(); }
+  /// Null without mechanics or when they are switched off; the schedule also when the scaling is constant.
+  const InertiaGuards* guards() const { return guards_.get(); }
+  const ScalingSchedule* schedule() const { return schedule_.get(); }
   const std::vector<RigidBody>& rigids() const { return rigids_; }
   const std::vector<RigidMotion>& motions() const { return motions_; }
   const std::vector<RigidHeat>& rigid_heat() const { return rigid_heat_; }
@@ -148,6 +156,9 @@ class Simulation {
   bool needs_free_surface() const;
   void vote();
   double stable_step() const;
+  void look_at_inertia();
+  void set_density_scale(double scale);
+  double kinetic_energy() const;
   double surface_speed() const;
   void collect_grip_members();
   void measure_extent();
@@ -169,6 +180,8 @@ class Simulation {
   std::unique_ptr<HeatSolver> heat_;
   std::unique_ptr<GrainEvolution> grains_;
   std::unique_ptr<StepVote> vote_;
+  std::unique_ptr<InertiaGuards> guards_;
+  std::unique_ptr<ScalingSchedule> schedule_;
   std::vector<RigidBody> rigids_;
   std::vector<RigidMotion> motions_;
   std::vector<RigidHeat> rigid_heat_;

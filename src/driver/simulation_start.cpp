@@ -20,6 +20,8 @@ Simulation::Simulation(Comm comm, Scene scene)
     MechanicsSettings settings = scene_.numerics;
     settings.heat_input = scene_.heat.mode != HeatScene::Mode::Off;
     mechanics_ = make_mechanics(scene_.space, settings, scene_.materials);
+    if (scene_.limits.guard_steps > 0) guards_ = std::make_unique<InertiaGuards>(scene_);
+    if (scene_.inertia_tolerance > 0) schedule_ = std::make_unique<ScalingSchedule>(scene_);
   }
   if (scene_.heat.mode == HeatScene::Mode::Conduction) {
     HeatSettings settings;
@@ -81,7 +83,7 @@ BilletStiffness Simulation::billet_stiffness(const RigidScene& rigid) const {
     }
     const double length = high - low;
     modulus *= scene_.numerics.elastic_scale / volume;
-    density *= scene_.numerics.density_scale / volume;
+    density *= (mechanics_ ? mechanics_->inertia().scale : scene_.numerics.density_scale) / volume;
     billet.stiffness = modulus * volume / (length * length);
     billet.impedance = std::sqrt(density * modulus) * volume / length;
     billet.angular_frequency = 0.5 * std::numbers::pi * std::sqrt(modulus / density) / length;
@@ -278,16 +280,11 @@ void Simulation::start() {
   comm_.together([&] { set_grip_velocities(); });
   neighbourhood_->halo().exchange(particles_, Halo::Kinematic);
 
-  double kinetic = 0;
   measure_extent();
-  for (std::size_t i = 0; i < particles_.owned(); ++i) {
-    const Vec3 v = particles_.vector_at(field::velocity, i);
-    speed_ = std::max(speed_, norm(v));
-    kinetic +=
-        0.5 * particles_[field::mass][i] * mechanics_->inertia().square(particles_.vector_at(field::position, i), v);
-  }
+  for (std::size_t i = 0; i < particles_.owned(); ++i)
+    speed_ = std::max(speed_, norm(particles_.vector_at(field::velocity, i)));
   speed_ = comm_.max(speed_);
-  load_ledger_.initial_kinetic = comm_.sum(kinetic);
+  load_ledger_.initial_kinetic = comm_.sum(kinetic_energy());
   least_h_ = comm_.min(mechanics_->least_smoothing_length(particles_));
   clock_.next_dt = stable_step();
 

@@ -11,7 +11,7 @@ namespace {
 /// This rank's partial sums in a fixed order: pointers to read from (all const) or to restore through.
 template <class Mechanical, class Touching, class Loads>
 auto partial_sums(Mechanical* mechanics, Touching* contact, Loads& loads) {
-  std::vector<decltype(&loads.grips)> sums{&loads.body_force, &loads.grips};
+  std::vector<decltype(&loads.grips)> sums{&loads.body_force, &loads.grips, &loads.rescaling};
   if (mechanics)
     for (auto* value : {&mechanics->elastic, &mechanics->plastic, &mechanics->viscous, &mechanics->artificial,
                         &mechanics->diffusion, &mechanics->unmatched, &mechanics->plastic_heat})
@@ -45,6 +45,8 @@ NamedState Simulation::named_state() const {
   state.numbers["heat_ledger"] = {heat_ledger_.particles, heat_ledger_.rigid, heat_ledger_.source, heat_ledger_.fixed,
                                   heat_ledger_.ambient};
   state.numbers["contact_step"] = {contact_ ? contact_->contact_step() : 0.0};
+  if (guards_) state.numbers["inertia_guards"] = guards_->state();
+  if (schedule_) state.numbers["scaling_schedule"] = schedule_->state();
   for (std::size_t r = 0; r < rigids_.size(); ++r) {
     const RigidPose& pose = rigids_[r].pose;
     std::vector<double> values{pose.angle, pose.angular_velocity, rigid_heat_[r].temperature};
@@ -87,6 +89,11 @@ void Simulation::resume(const std::string& checkpoint) {
   load_ledger_.initial_kinetic = numbers("initial_kinetic", 1)[0];
   const auto& heat = numbers("heat_ledger", 5);
   heat_ledger_ = {heat[0], heat[1], heat[2], heat[3], heat[4], std::vector<BodyHeat>(rigids_.size())};
+  if (guards_) guards_->restore(numbers("inertia_guards", InertiaGuards::state_size));
+  if (schedule_) {
+    schedule_->restore(numbers("scaling_schedule", ScalingSchedule::state_size));
+    set_density_scale(schedule_->scale());
+  }
   if (contact_) contact_->contact_step() = numbers("contact_step", 1)[0];
   for (std::size_t r = 0; r < rigids_.size(); ++r) {
     const auto& values = numbers("rigid_" + rigids_[r].name, 15);

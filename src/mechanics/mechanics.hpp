@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "materials/material.hpp"
@@ -55,6 +56,10 @@ class Mechanics {
   /// From now on, another scaling of the mass. Velocities stay, momentum and kinetic energy do not.
   virtual void set_density_scale(double scale) = 0;
   virtual const Inertia& inertia() const = 0;
+
+  /// What the artificial viscosity dissipates [W] per owned particle, of the last update_acceleration, in the order of
+  /// particles then; empty without viscosity.
+  virtual std::span<const double> viscous_power() const = 0;
 
   /// Largest wave speed [m/s] with density and elastic scaling.
   virtual double wave_speed() const = 0;

@@ -19,6 +19,9 @@ class MechanicsIn final : public Mechanics {
 
   void set_density_scale(double scale) override { inertia_.scale = settings_.density_scale = scale; }
   const Inertia& inertia() const override { return inertia_; }
+  std::span<const double> viscous_power() const override {
+    return viscous() ? std::span<const double>(dissipation_) : std::span<const double>();
+  }
 
   void add_fields(ParticleSet& particles) const override;
   void initialise(ParticleSet& particles) const override;

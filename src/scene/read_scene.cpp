@@ -78,6 +78,12 @@ void read_numerics(const Parameters& root, Scene& scene) {
   if (n.has("density_scale_for_step")) scene.target_step = n.real("density_scale_for_step");
   if (scene.target_step > 0 && m.density_scale != 1)
     n.fail("density_scale_for_step", "give either density_scale or density_scale_for_step, not both.");
+  scene.inertia_tolerance = n.real("inertia_tolerance");
+  if (n.has("density_scale_before_flow")) scene.scale_before_flow = n.real("density_scale_before_flow");
+  if (scene.scale_before_flow > 0 && scene.inertia_tolerance == 0)
+    n.fail("density_scale_before_flow",
+           "without inertia_tolerance density_scale stays constant. Give inertia_tolerance, for example 0.5, or leave "
+           "this out.");
   scene.skin = n.real("skin");
   scene.repartition_imbalance = n.real("repartition_imbalance");
 }
@@ -464,6 +470,26 @@ void read_heat_and_output(const Parameters& root, Scene& scene) {
   scene.limits.penetration = limits.real("penetration");
   scene.limits.travel = limits.real("travel");
   if (limits.has("speed")) scene.limits.speed = limits.real("speed");
+  scene.limits.guards = {limits.real("guard_viscous"), limits.real("guard_inertia"), limits.real("guard_spin_up"),
+                         limits.real("guard_rim_travel")};
+  scene.limits.guard_steps = limits.integer("guard_steps");
+  scene.limits.guards_stop = limits.text("guard_action") == "stop";
+}
+
+/// The schedule of density_scale, once that is known.
+void complete_schedule(const Parameters& root, Scene& scene) {
+  if (scene.inertia_tolerance == 0) return;
+  const Parameters n = root.table("numerics");
+  const auto refuse = [&](const std::string& why) { n.fail("inertia_tolerance", why); };
+  if (!scene.mechanics) refuse("without mechanics there is no inertia to scale. Allowed: 0.");
+  if (scene.time.fixed_step > 0)
+    refuse("with time.step the step does not grow with density_scale. Leave time.step out, or inertia_tolerance.");
+  if (scene.limits.guard_steps == 0)
+    refuse("it needs the inertia guards: give limits.guard_steps a value above 0, for example 20.");
+  const double reference = scene.numerics.density_scale;
+  if (scene.scale_before_flow == 0) scene.scale_before_flow = 10 * reference;
+  if (scene.scale_before_flow < reference)
+    n.fail("density_scale_before_flow", "it is smaller than density_scale. Allowed: density_scale or more.");
 }
 
 Scene make_scene(const Parameters& root, const std::string& path) {
@@ -495,6 +521,7 @@ Scene make_scene(const Parameters& root, const std::string& path) {
     const double unscaled = scene.time.cfl * scene.numerics.h_over_dx * scene.numerics.spacing / fastest;
     scene.numerics.density_scale = std::max(1.0, std::pow(scene.target_step / unscaled, 2));
   }
+  complete_schedule(root, scene);
   return scene;
 }
 

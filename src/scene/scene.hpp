@@ -213,6 +213,10 @@ struct LimitScene {
   double penetration = 1.0;  ///< of the spacing: deeper is a blow-up
   double speed = 0;          ///< m/s, 0 = ten times the wave speed
   double travel = 0.25;      ///< of the spacing, that a particle may go along its circle in a step (no_swirl)
+  // of the inertia guards (driver/inertia_guards.hpp)
+  std::array<double, 4> guards{0.2, 0.05, 1.0, 0.25};  ///< viscous, inertia, spin_up, rim_travel
+  std::int64_t guard_steps = 20;                       ///< steps between looks, 0 = off
+  bool guards_stop = false;                            ///< a guard above its limit ends the run instead of a warning
 };
 
 struct Scene {
@@ -220,8 +224,10 @@ struct Scene {
   Space space = Cartesian3{};
   bool mechanics = true;
   MechanicsSettings numerics;
-  double target_step = 0;  ///< s: density_scale chosen so that this step is stable; 0 = density_scale as given
-  double skin = 0.3;       ///< of the spacing
+  double target_step = 0;        ///< s: density_scale chosen so that this step is stable; 0 = density_scale as given
+  double inertia_tolerance = 0;  ///< share of the guards' limits up to which density_scale is raised; 0 = constant
+  double scale_before_flow = 0;  ///< largest density_scale of the schedule
+  double skin = 0.3;             ///< of the spacing
   double repartition_imbalance = 1.15;
   Domain domain;
   TimeScene time;

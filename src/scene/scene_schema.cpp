@@ -109,6 +109,15 @@ void declare_numerics(Schema& s) {
       .unit("s")
       .positive()
       .optional();
+  n.real("inertia_tolerance",
+         "share of the limits of the inertia guards (limits.guard_*) up to which density_scale may be raised while no "
+         "metal flows; lowered to density_scale at onset. 0: density_scale is constant")
+      .range(0, 1)
+      .by_default(0.0);
+  n.real("density_scale_before_flow",
+         "largest density_scale while no metal flows, with inertia_tolerance; ten times density_scale when missing")
+      .range(1, 1e12)
+      .optional();
   n.choice(
        "inertia", {"full", "no_swirl"},
        "no_swirl: the scaled mass of swirl around the z axis has no centrifugal and Coriolis forces; particles move "
@@ -426,6 +435,34 @@ void declare_heat_and_output(Schema& s) {
             "dimensions with inertia = \"no_swirl\"")
       .range(1e-3, 10)
       .by_default(0.25);
+  // Defaults: feasibility runs of the process (rules of thumb that kept force and torque within some percent); the time
+  // to spin up is one turn because a swirl that lags by more is not the tool's.
+  limits
+      .real("guard_viscous",
+            "stress of the artificial viscosity, alpha rho s c h times the strain rate it sees, over the flow stress, "
+            "mean over yielding metal")
+      .positive()
+      .by_default(0.2);
+  limits.real("guard_inertia", "rho s v^2 over the flow stress, mean over yielding metal; v without a no_swirl swirl")
+      .positive()
+      .by_default(0.05);
+  limits
+      .real(
+          "guard_spin_up",
+          "time in which the yield stress in shear brings a layer of one spacing to the speed of the rim, in turns of "
+          "the tool")
+      .positive()
+      .by_default(1.0);
+  limits.real("guard_rim_travel", "way of the tool's rim in a step, in spacings (three dimensions)")
+      .positive()
+      .by_default(0.25);
+  limits
+      .choice(
+          "guard_action", {"warn", "stop"},
+          "when the average of a guard over 20 looks exceeds its limit: one warning, or the end of the run with the "
+          "state saved")
+      .by_default("warn");
+  limits.integer("guard_steps", "steps between looks at the guards; 0: off").range(0, 1000000).by_default("20");
 }
 
 }  // namespace
