@@ -5,7 +5,7 @@ meshed rigid bodies.
 Usage: tools/plot_run.py RUN [--output FOLDER] [--snapshots 0,3,6]
 
 Reads RUN/history.csv and RUN/snapshots.csv with the files it lists (particles, meshed rigid bodies), and writes PNG
-files to RUN/pictures. If RUN/summary.json has a list `outlines` of {"name", "points": [[a, b], ...], "snapshot": number
+files to RUN/pictures. A run in the axisymmetric space knows the half-plane only: its mirror image is drawn beside it. If RUN/summary.json has a list `outlines` of {"name", "points": [[a, b], ...], "snapshot": number
 or null} in m, these lines (tool, die) are drawn into the sections of that snapshot, or of all; a list `materials` names
 the materials.
 """
@@ -20,7 +20,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 
 from run_files import (PlotError, draw_section, field_scale, particle_spacing, plt, read_history, read_index,
-                       read_snapshot, read_summary)
+                       read_input, read_snapshot, read_summary)
 
 # Title and, where the SI unit makes awkward numbers, the larger or smaller unit to plot in.
 QUANTITIES = {
@@ -137,9 +137,11 @@ def plot_histories(run, output):
     return [path]
 
 
-def section_of(points, spacing):
+def section_of(points, spacing, half_plane):
     """Which particles to draw, their coordinates in the picture, its axes and its place: the slab of one spacing on
-    either side of y = place seen along y, or all of a plane run (place None)."""
+    either side of y = place seen along y, or all of a plane or axisymmetric run (place None)."""
+    if half_plane:
+        return np.ones(len(points), bool), points[:, [0, 2]], ("r", "z"), None
     if np.ptp(points[:, 2]) == 0:
         return np.ones(len(points), bool), points[:, :2], ("x", "y"), None
     centre = 0.5 * (points[:, 1].min() + points[:, 1].max())
@@ -184,12 +186,16 @@ def outer_faces(cells):
     return faces[first[count == 1]]
 
 
-def section_of_bodies(path, place):
+def section_of_bodies(path, place, half_plane=False):
     """The meshed rigid bodies in the plane of the picture: corners of triangles [m] (n, 3, 2), their temperatures
     (n, 3), and the lines around the bodies (m, 2, 2)."""
     points, temperature, cells = read_bodies(path, 3 if place is None else 4)
     if place is None:
-        return points[cells][:, :, :2], temperature[cells], points[outer_faces(cells)][:, :, :2]
+        view = points[:, [0, 2] if half_plane else [0, 1]]
+        lines = view[outer_faces(cells)]
+        if half_plane:  # an edge on the axis is no surface
+            lines = lines[np.any(np.abs(lines[:, :, 0]) > 1e-6 * np.ptp(view), axis=1)]
+        return view[cells], temperature[cells], lines
     height = points[:, 1] - place
     above = height >= 0
     # Both neighbours of a face that the plane crosses are crossed too: the others are not needed to find the outside.
@@ -230,8 +236,13 @@ def plot_sections(run, output, wanted):
         return []
     fields = {"temperature": "temperature [K]", "equivalent_plastic_strain": "equivalent plastic strain",
               "material": "material"}
-    pictures = [picture for row in choose_snapshots(index, wanted) if (picture := picture_of(*row, fields))]
+    half_plane = read_input(run).get("space") == "axisymmetric"
+    spacing = 1e-3 * read_summary(run).get("spacing_mm", 0)
+    pictures = [picture for row in choose_snapshots(index, wanted)
+                if (picture := picture_of(*row, fields, half_plane, spacing))]
     present = [name for name in fields if pictures and all(name in picture["data"] for picture in pictures)]
+    if len(present) > 1 and "material" in present and not any(np.ptp(p["data"]["material"]) for p in pictures):
+        present.remove("material")  # one colour would tell nothing
     if not present:
         print("plot_run: the snapshots hold neither temperature nor strain nor material; only histories are drawn")
         return []
@@ -240,19 +251,30 @@ def plot_sections(run, output, wanted):
     return [path]
 
 
-def picture_of(number, time, path, rigid_path, fields):
-    """What is drawn of one snapshot; None if it has no particles."""
+def with_mirror_image(corners):
+    """Points of a half-plane (..., 2), followed by their images beyond the axis."""
+    return np.concatenate([corners, corners * [-1, 1]])
+
+
+def picture_of(number, time, path, rigid_path, fields, half_plane, spacing=0):
+    """What is drawn of one snapshot; None if it has no particles. Without the scene's spacing [m] it is taken from the
+    particles, whose disorder shortens it."""
     points, data = read_snapshot(path, fields)
     if len(points) == 0:
         return None
-    spacing = particle_spacing(points)
-    inside, view, axis_names, place = section_of(points, spacing)
+    spacing = spacing or particle_spacing(points)
+    inside, view, axis_names, place = section_of(points, spacing, half_plane)
+    view, data = view[inside], {name: values[inside] for name, values in data.items()}
     triangles, temperature, lines = np.empty((0, 3, 2)), np.empty((0, 3)), np.empty((0, 2, 2))
     if rigid_path and rigid_path.exists():
-        triangles, temperature, lines = section_of_bodies(rigid_path, place)
-    return {"number": number, "time": time, "view": view[inside], "spacing": spacing, "axes": axis_names,
-            "place": place, "data": {name: values[inside] for name, values in data.items()},
-            "triangles": triangles, "body_temperature": temperature, "lines": lines}
+        triangles, temperature, lines = section_of_bodies(rigid_path, place, half_plane)
+    if half_plane:
+        view, triangles, lines = with_mirror_image(view), with_mirror_image(triangles), with_mirror_image(lines)
+        temperature = np.concatenate([temperature, temperature])
+        data = {name: np.concatenate([values, values]) for name, values in data.items()}
+    return {"number": number, "time": time, "view": view, "spacing": spacing, "axes": axis_names, "place": place,
+            "half_plane": half_plane, "data": data, "triangles": triangles, "body_temperature": temperature,
+            "lines": lines}
 
 
 def window_around(pictures, parts, margin):
@@ -338,7 +360,7 @@ def where_text(pictures):
     """The place of the section in words."""
     place = pictures[0]["place"]
     if place is None:
-        return "plane strain"
+        return "axisymmetric, mirrored" if pictures[0]["half_plane"] else "plane strain"
     bodies = ", rigid bodies at y = {:.3g} mm".format(1e3 * place) if any(len(p["lines"]) for p in pictures) else ""
     return ("|y| < dx" if place == 0 else f"|y - {1e3 * place:.3g} mm| < dx") + bodies
 

@@ -140,6 +140,19 @@ double over_set(const Simulation& simulation, const ProbeScene& probe) {
 
 }  // namespace
 
+std::size_t unbroken_bins(const std::vector<double>& bins) {
+  const auto around = [&](std::size_t k) {
+    double sum = 0;
+    for (std::size_t n = k > 0 ? k - 1 : 0; n < std::min(k + 2, bins.size()); ++n) sum += bins[n];
+    return sum;
+  };
+  double fullest = 0;
+  for (std::size_t k = 0; k < bins.size(); ++k) fullest = std::max(fullest, around(k));
+  std::size_t filled = 0;
+  while (filled < bins.size() && fullest > 0 && around(filled) >= 0.25 * fullest) ++filled;
+  return filled;
+}
+
 double extruded_length(const Simulation& simulation, int rigid) {
   const Scene& scene = simulation.scene();
   const RigidPose& pose = simulation.rigids()[rigid].pose;
@@ -150,16 +163,20 @@ double extruded_length(const Simulation& simulation, int rigid) {
   const ParticleSet& particles = simulation.particles();
   const bool rings = particles.layout().axisymmetric();
   const auto volume = particles[field::volume];
-  for (std::size_t i = 0; i < particles.owned(); ++i) {
-    const double along = dot(particles.vector_at(field::position, i) - face, outward) / spacing;
-    if (along >= 0 && along < static_cast<double>(bins.size()))
+  // Spacings beyond the face.
+  const auto height = [&](std::size_t i) {
+    return dot(particles.vector_at(field::position, i) - face, outward) / spacing;
+  };
+  const auto within = [](double along, std::size_t count) { return along >= 0 && along < static_cast<double>(count); };
+  for (std::size_t i = 0; i < particles.owned(); ++i)
+    if (const double along = height(i); within(along, bins.size()))
       bins[static_cast<std::size_t>(along)] += rings ? volume[i] : 1.0;
-  }
   simulation.comm().sum_in_place(bins);
-  const double fullest = *std::max_element(bins.begin(), bins.end());
-  std::size_t filled = 0;
-  while (filled < bins.size() && bins[filled] > 0 && bins[filled] >= 0.25 * fullest) ++filled;
-  return static_cast<double>(filled) * spacing;
+  const std::size_t filled = unbroken_bins(bins);
+  double farthest = 0;
+  for (std::size_t i = 0; i < particles.owned(); ++i)
+    if (const double along = height(i); within(along, filled)) farthest = std::max(farthest, along + 0.5);
+  return simulation.comm().max(farthest) * spacing;
 }
 
 std::vector<double> evaluate_probes(const Simulation& simulation) {

@@ -21,9 +21,14 @@ std::string unit_of(const Scene& scene, const std::string& name);
 /// Throws InputError for probes, tracers and snapshots of fields the scene does not have.
 void check_field_names(const Simulation& simulation);
 
-/// Length [m] of unbroken material beyond a rigid body's reference point, against its direction of motion: bins one
-/// spacing wide, counted while each holds at least a quarter as many particles (of rings: as much volume) as the
-/// fullest. Collective.
+/// How many bins from the first on hold unbroken material: each with its two neighbours at least a quarter of what the
+/// fullest three together hold. One bin alone would not do: a wall of three rings has slices without any, because rings
+/// sit at any height.
+std::size_t unbroken_bins(const std::vector<double>& bins);
+
+/// Length [m] of unbroken material beyond a rigid body's reference point, against its direction of motion, to the far
+/// surface (half a spacing beyond the centre) of the farthest particle in it. Bins are one spacing wide and count
+/// particles, of rings their volume. Collective.
 double extruded_length(const Simulation& simulation, int rigid);
 
 }  // namespace stirsph

@@ -20,11 +20,13 @@ die_heat [J],die_interface_heat [J],heat_particles [J],heat_rigid [J],heat_sourc
 0.2,-32"""
 
 
-def write_particles(path, number, plane):
+def write_particles(path, number, space):
     """A small block as the simulation writes it."""
     grid = np.stack(np.meshgrid(*[np.arange(5) * 1e-3 - 2e-3] * 3), -1).reshape(-1, 3).astype("f4")
-    if plane:
+    if space == "plane_strain":
         grid = grid[grid[:, 2] == 0]
+    if space == "axisymmetric":
+        grid = grid[(grid[:, 1] == 0) & (grid[:, 0] > 0)]
     with h5py.File(path, "w") as file:
         file["VTKHDF/Points"] = grid
         file["VTKHDF/PointData/temperature"] = np.full(len(grid), 300.0, "f4") + number * grid[:, 0]
@@ -48,30 +50,33 @@ def box_mesh(low, high, counts):
     return nodes, np.array(cells)
 
 
-def write_bodies(path, nodes, temperature, cells):
-    """Meshed rigid bodies as the simulation writes them; nodes in the plane get z = 0."""
+def write_bodies(path, nodes, temperature, cells, half_plane=False):
+    """Meshed rigid bodies as the simulation writes them; nodes in the plane get z = 0, in the half-plane y = 0."""
     corners = cells.shape[1]
+    points = np.pad(nodes, ((0, 0), (0, 3 - nodes.shape[1])))
     with h5py.File(path, "w") as file:
-        file["VTKHDF/Points"] = np.pad(nodes, ((0, 0), (0, 3 - nodes.shape[1]))).astype("f4")
+        file["VTKHDF/Points"] = (points[:, [0, 2, 1]] if half_plane else points).astype("f4")
         file["VTKHDF/Connectivity"] = cells.ravel().astype("i8")
         file["VTKHDF/Offsets"] = np.arange(len(cells) + 1, dtype="i8") * corners
         file["VTKHDF/PointData/temperature"] = temperature.astype("f4")
 
 
-def write_run(run, plane, bodies):
+def write_run(run, space, bodies):
     """Two snapshots and a history."""
     run.mkdir()
+    (run / "input_as_used.toml").write_text(f'space = "{space}"\n', encoding="utf-8")
     (run / "history.csv").write_text(HISTORY, encoding="utf-8")
     index = "number,step,time [s],file,rigid file\n"
     for number in range(2):
         name = f"snapshot_{number:06d}.vtkhdf"
         rigid = f"rigid_{number:06d}.vtkhdf" if bodies else ""
-        write_particles(run / name, number, plane)
+        write_particles(run / name, number, space)
         if bodies:
-            low, high, counts = ([3e-3, -4e-3], [9e-3, 4e-3], [3, 4]) if plane else ([3e-3] + [-4e-3] * 2,
-                                                                                   [9e-3] + [4e-3] * 2, [3, 4, 4])
+            flat = space != "cartesian3"
+            low, high, counts = ([3e-3, -4e-3], [9e-3, 4e-3], [3, 4]) if flat else ([3e-3] + [-4e-3] * 2,
+                                                                                  [9e-3] + [4e-3] * 2, [3, 4, 4])
             nodes, cells = box_mesh(low, high, counts)
-            write_bodies(run / rigid, nodes, np.full(len(nodes), 900.0), cells)
+            write_bodies(run / rigid, nodes, np.full(len(nodes), 900.0), cells, space == "axisymmetric")
         index += f"{number},{10 * number},{0.1 * number},{name},{rigid}\n"
     (run / "snapshots.csv").write_text(index, encoding="utf-8")
 
@@ -99,6 +104,24 @@ def check_sections(plot_run, scratch):
     write_bodies(scratch / "plate.vtkhdf", nodes, np.full(len(nodes), 300.0), cells)
     triangles, _, lines = plot_run.section_of_bodies(scratch / "plate.vtkhdf", None)
     assert len(triangles) == 24 and abs(np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).sum() - 8) < 1e-5
+
+    # The same plate in the half-plane: an edge on the axis is inside the body.
+    write_bodies(scratch / "disc.vtkhdf", nodes, np.full(len(nodes), 300.0), cells, half_plane=True)
+    triangles, _, lines = plot_run.section_of_bodies(scratch / "disc.vtkhdf", None, half_plane=True)
+    assert len(triangles) == 24 and abs(np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).sum() - 6) < 1e-5
+
+
+def check_mirror_image(plot_run, run):
+    """A picture of a half-plane shows both sides of the axis, particles and bodies with their values."""
+    index = plot_run.read_index(run)
+    picture = plot_run.picture_of(*index[1], ["temperature"], half_plane=True)
+    half = len(picture["view"]) // 2
+    assert half == 10 and picture["axes"] == ("r", "z")
+    assert np.allclose(picture["view"][:half] * [-1, 1], picture["view"][half:])
+    assert np.ptp(picture["view"][:half, 1]) > 3.9e-3 and (picture["view"][:half, 0] > 0).all()
+    assert (picture["data"]["temperature"][:half] == picture["data"]["temperature"][half:]).all()
+    assert len(picture["triangles"]) == len(picture["body_temperature"]) == 48
+    assert abs(picture["triangles"][:, :, 0].min() + 9e-3) < 1e-8
 
 
 def check_panels(plot_run):
@@ -132,9 +155,10 @@ def main():
     check_panels(plot_run)
     with tempfile.TemporaryDirectory() as scratch:
         check_sections(plot_run, Path(scratch))
-        for plane, bodies in ((False, False), (False, True), (True, True)):
-            run = Path(scratch) / f"run {plane} {bodies}"
-            write_run(run, plane, bodies)
+        for space, bodies in (("cartesian3", False), ("cartesian3", True), ("plane_strain", True),
+                              ("axisymmetric", True)):
+            run = Path(scratch) / f"run {space} {bodies}"
+            write_run(run, space, bodies)
             subprocess.run([sys.executable, script, run], check=True)
             for picture in ("history.png", "sections.png"):
                 data = (run / "pictures" / picture).read_bytes()
@@ -142,6 +166,7 @@ def main():
             # Only the bodies are as hot as 900 K; they fill about half of the rows of the temperature in two pictures.
             hot = hot_pixels(run / "pictures/sections.png")
             assert (hot > 50_000) == bodies, (run, hot)
+        check_mirror_image(plot_run, run)
         empty = Path(scratch) / "empty"
         empty.mkdir()
         result = subprocess.run([sys.executable, script, empty], capture_output=True, text=True, check=False)
