@@ -5,6 +5,7 @@
 namespace stirsph {
 namespace {
 constexpr double factor = 2;
+constexpr double held = 0.01, lost = 0.03;  // error of a controlled force
 // Every lowering makes the next raise wait twice as long, so that a process at the edge does not go to and fro.
 constexpr double longest_hold = 1000 * InertiaGuards::memory;
 }  // namespace
@@ -21,14 +22,15 @@ double ScalingSchedule::lowered(double scale) {
   return std::max(scale, reference_);
 }
 
-double ScalingSchedule::next(const InertiaGuards& guards) {
+double ScalingSchedule::next(const InertiaGuards& guards, double force_error) {
   quiet_ += 1;
   double wanted = scale_;
   if (scale_ > reference_ && guards.flows())
     wanted = lowered(reference_);
-  else if (scale_ > reference_ && guards.load() > tolerance_)
+  else if (scale_ > reference_ && (guards.load() > tolerance_ || force_error > lost))
     wanted = lowered(scale_ / factor);
-  else if (quiet_ >= hold_ && guards.flow_share() < 0.5 * InertiaGuards::onset && factor * guards.load() <= tolerance_)
+  else if (quiet_ >= hold_ && force_error <= held && guards.flow_share() < 0.5 * InertiaGuards::onset &&
+           factor * guards.load() <= tolerance_)
     wanted = std::min(factor * scale_, most_);
   if (wanted == scale_) return scale_;
   quiet_ = 0;

@@ -14,9 +14,11 @@ class ScalingSchedule {
   explicit ScalingSchedule(const Scene& scene);
 
   /// The scaling from now on, after a look of the guards; the same on all ranks. At onset of flow it is at once the
-  /// scene's density_scale; otherwise it is halved when a guard is above the tolerance, and doubled when metal is at
-  /// rest and no guard would come near it, at most once in so many looks.
-  double next(const InertiaGuards& guards);
+  /// scene's density_scale; otherwise it is halved when a guard is above the tolerance or a force is not held, and
+  /// doubled when metal is at rest, no guard would come near the tolerance and forces are held, at most once in so many
+  /// looks. `force_error`: the largest of the force controllers, over their targets; they get slower and their impacts
+  /// harder as mass grows, so that contact is made and the force settles with the scene's own scaling.
+  double next(const InertiaGuards& guards, double force_error);
 
   double scale() const { return scale_; }
   double largest_so_far() const { return largest_so_far_; }

@@ -159,6 +159,7 @@ class Simulation {
   void look_at_inertia();
   void set_density_scale(double scale);
   double kinetic_energy() const;
+  double largest_force_error() const;
   double surface_speed() const;
   void collect_grip_members();
   void measure_extent();

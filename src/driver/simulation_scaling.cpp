@@ -13,8 +13,15 @@ void Simulation::look_at_inertia() {
   const ScopedTimer timer(timers_, "guards");
   guards_->look(*this);
   if (!schedule_) return;
-  const double wanted = schedule_->next(*guards_);
+  const double wanted = schedule_->next(*guards_, largest_force_error());
   if (wanted != mechanics_->inertia().scale) change_density_scale(wanted);
+}
+
+double Simulation::largest_force_error() const {
+  double largest = 0;
+  for (const RigidMotion& motion : motions_)
+    if (motion.force_control() && !motion.retreating()) largest = std::max(largest, motion.force_control()->error());
+  return largest;
 }
 
 double Simulation::kinetic_energy() const {

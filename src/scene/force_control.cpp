@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace stirsph {
 namespace {
@@ -39,6 +40,12 @@ double ForceControl::programme_end() const {
 }
 
 double ForceControl::target_force() const { return in_contact_ ? applied_ * programme() : 0.0; }
+
+double ForceControl::error() const {
+  if (stroke_ended_) return 0;
+  if (!in_contact_) return std::numeric_limits<double>::infinity();
+  return std::abs(filtered_ - target_force()) / target_force();
+}
 
 ForceControl::Phase ForceControl::phase() const {
   if (stroke_ended_) return Phase::StrokeEnd;

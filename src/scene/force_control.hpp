@@ -35,6 +35,8 @@ class ForceControl {
   double speed(double dt, double force, double travel);
 
   double target_force() const;  ///< N that is asked for now; 0 while contact is searched
+  /// Filtered force less the target, over the target; infinite while contact is searched, 0 at the end of the stroke.
+  double error() const;
   Phase phase() const;
   bool at_velocity_limit() const { return at_limit_; }
   double time_at_velocity_limit() const { return time_at_limit_; }      ///< s since the start
