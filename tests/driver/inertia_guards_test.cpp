@@ -151,7 +151,7 @@ TEST(InertiaGuards, ShearOfKnownRate) {
     const double expected = 0.5 * 2785e4 * sound * 2e-3 * rate / std::numbers::sqrt3 / strength;
     std::printf("%s: viscous guard %.5f, of a shear of that rate %.5f\n", kernel, guards.measured(Guard::Viscous),
                 expected);
-    EXPECT_NEAR(guards.measured(Guard::Viscous) / expected, 1, 0.1);
+    EXPECT_NEAR(guards.measured(Guard::Viscous) / expected, 1, 0.03);
   }
 }
 
