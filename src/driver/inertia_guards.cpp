@@ -73,8 +73,8 @@ void InertiaGuards::look(const Simulation& simulation) {
     if (viscous_power.empty()) continue;
     const Material& metal = mechanics.materials()[static_cast<std::size_t>(material[i])];
     const double nominal = settings.viscosity_alpha * density * std::sqrt(inertia.scale) * metal.sound_speed() * h[i];
-    totals[ViscousStress] +=
-        weight * std::sqrt(nominal * per_shear_viscosity / 3 * std::max(0.0, viscous_power[i]) / volume[i]);
+    // Squares: a pair that is visited once counts for one of its two particles, so only sums have a meaning.
+    totals[ViscousSquare] += weight * nominal * per_shear_viscosity / 3 * viscous_power[i] / volume[i];
   }
   totals[sums] = mechanics.ledger().plastic;
   totals[sums + 1] = simulation.contact() ? simulation.contact()->ledger().friction : 0.0;
@@ -106,7 +106,7 @@ void InertiaGuards::look(const Simulation& simulation) {
 }
 
 void InertiaGuards::rescale(double factor) {
-  mean_[ViscousStress] *= std::sqrt(factor);  // rho s c, and c falls with the root of s
+  mean_[ViscousSquare] *= factor;  // of rho s c, and c falls with the root of s
   mean_[InertialStress] *= factor;
   swirl_scale_ *= factor;
   rim_travel_ *= std::sqrt(factor);  // as the step, if the wave speed decides it
@@ -117,7 +117,7 @@ double InertiaGuards::measured(Guard guard) const {
   if (mean_[Weight] <= 0) return 0;
   switch (guard) {
     case Guard::Viscous:
-      return mean_[ViscousStress] / mean_[Strength];
+      return std::sqrt(std::max(0.0, mean_[ViscousSquare]) * mean_[Weight]) / mean_[Strength];
     case Guard::Inertia:
       return mean_[InertialStress] / mean_[Strength];
     default:

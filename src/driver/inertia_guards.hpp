@@ -15,7 +15,7 @@ class Simulation;
 
 /// Means over the yielding metal have the weight V d(eps_p)/dt: what flows counts, a particle that flies off does not.
 enum class Guard {
-  Viscous,    ///< alpha rho s c h rate over the flow stress; the rate is that which the viscosity dissipates at
+  Viscous,    ///< alpha rho s c h rate (rms) over the flow stress; the rate is that at which the viscosity dissipates
   Inertia,    ///< rho s v^2 over the flow stress, without a swirl that has no inertia
   SpinUp,     ///< time rho s_swirl dx v_rim/(sigma_y/sqrt(3)) for the swirl to follow, in turns of the tool
   RimTravel,  ///< way of the rim in a step over dx; three dimensions only, rings do not pass each other
@@ -63,7 +63,7 @@ class InertiaGuards {
 
  private:
   /// Sums over the yielding metal with the weight V d(eps_p)/dt.
-  enum Sum { Weight, Strength, ViscousStress, InertialStress, Density, sums };
+  enum Sum { Weight, Strength, ViscousSquare, InertialStress, Density, sums };
 
   std::int64_t every_;
   double spacing_;
