@@ -134,8 +134,8 @@ TEST(TubeTwins, TableOfPositionsPressesWithThePreload) {
   expect_sliding(*run, load, 500);
   for (int id : {1, 3})  // the other tables begin in the same way
     for (const double time : {0.25, 0.5, 2.0})
-      EXPECT_NEAR((*read_scene(scene_of(id, "displacement.toml")).rigids[0].motion.table)(time),
-                  (*run->scene().rigids[0].motion.table)(time), 1e-6);
+      EXPECT_NEAR((*read_scene(scene_of(id, "displacement.toml")).rigids[0].motion.table).value(time),
+                  (*run->scene().rigids[0].motion.table).value(time), 1e-6);
 }
 
 /// Hot metal goes up into the gap, and takes the room that the tool takes from it.
