@@ -134,8 +134,9 @@ void Simulation::drift(double dt) {
 }
 
 /// In the half-plane of r and z. With the swirl's inertia the angular momentum r v_theta stays (with the centrifugal
-/// acceleration a symplectic step), without it v_theta does. A ring that runs through the axis comes out on the other
-/// side.
+/// acceleration a symplectic step), without it v_theta does. No ring comes nearer to the axis than the core, where its
+/// section and stresses no longer follow its radius and neighbours would not feel it: it bounces back, which keeps its
+/// energy. (Rings let through to the axis pile up there and shoot along it.)
 void Simulation::drift_rings(double dt) {
   double* r = particles_.component(field::position, 0).data();
   double* z = particles_.component(field::position, 1).data();
@@ -147,8 +148,8 @@ void Simulation::drift_rings(double dt) {
     const double before = std::max(r[i], inertia.core);
     r[i] += dt * radial[i];
     z[i] += dt * axial[i];
-    if (r[i] < 0) {
-      r[i] = -r[i];
+    if (r[i] < inertia.core) {
+      r[i] = 2 * inertia.core - r[i];
       radial[i] = -radial[i];
     }
     if (inertia.swirl) swirl[i] *= before / std::max(r[i], inertia.core);
