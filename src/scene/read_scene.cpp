@@ -72,6 +72,12 @@ void read_numerics(const Parameters& root, Scene& scene) {
     n.fail("swirl_density_ratio",
            "a swirl that is lighter than other motion needs inertia = \"no_swirl\": its "
            "centrifugal force would not fit its mass.");
+  if (m.swirl_density_ratio < 1 && !m.viscosity_without_swirl && m.viscosity_alpha + m.viscosity_beta > 0 &&
+      scene.space.index() == Space(Cartesian3{}).index())
+    n.fail(
+        "swirl_density_ratio",
+        "viscosity of the whole velocity acts on the lighter swirl as one over this ratio times as much viscosity and "
+        "exceeds the stable step. Take viscosity_velocity = \"no_swirl\", or the ratio 1.");
   if (scene.space.index() == Space(PlaneStrain{}).index() && (!m.swirl_inertia || m.viscosity_without_swirl))
     n.fail(m.swirl_inertia ? "viscosity_velocity" : "inertia",
            "in plane strain there is no axis of swirl. Allowed: \"full\".");

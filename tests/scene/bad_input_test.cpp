@@ -123,6 +123,10 @@ const std::vector<BadInput> bad_inputs{
      "[\"4 mm\", \"0 mm\", \"0 mm\"], high = [\"8 mm\"",
      {"of billet", "of second", "sit on each other", "difference"}},
     {"duplicate name", "name = \"second\"", "name = \"billet\"", {"body[1].name = \"billet\"", "already taken"}},
+    {"viscosity on a light swirl",
+     "spacing = \"1 mm\"",
+     "spacing = \"1 mm\"\ninertia = \"no_swirl\"\nswirl_density_ratio = 0.1",
+     {"scene:5 numerics.swirl_density_ratio = 0.1", "viscosity_velocity = \"no_swirl\"", "or the ratio 1"}},
     {"force without contact",
      "[[contact]]\n",
      "[[rigid]]\nname = \"press\"\n"
