@@ -151,7 +151,8 @@ TEST(InertiaGuards, ShearOfKnownRate) {
     const double expected = 0.5 * 2785e4 * sound * 2e-3 * rate / std::numbers::sqrt3 / strength;
     std::printf("%s: viscous guard %.5f, of a shear of that rate %.5f\n", kernel, guards.measured(Guard::Viscous),
                 expected);
-    EXPECT_NEAR(guards.measured(Guard::Viscous) / expected, 1, 0.03);
+    // Lattice and softening take 1 %, pairs on the edge of the chosen particles up to 4 %.
+    EXPECT_NEAR(guards.measured(Guard::Viscous) / expected, 1, 0.06);
   }
 }
 
