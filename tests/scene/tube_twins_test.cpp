@@ -207,7 +207,7 @@ TEST(TubeLength, IsThatOfTheUnbrokenWall) {
   EXPECT_EQ(unbroken_bins(with(full, {})), 11u);               // the bin beyond the last holds nothing
   EXPECT_EQ(unbroken_bins(with(full, {0, 4, 1, 0, 3})), 16u);  // sparse slices
   EXPECT_EQ(unbroken_bins(with(full, {0, 0, 0, 3, 3})), 11u);  // a gap of three
-  EXPECT_EQ(unbroken_bins(with(full, {1, 1, 1, 1, 1})), 11u);  // a few chips
+  EXPECT_EQ(unbroken_bins(with(std::vector<double>(10, 6.0), {1, 1, 1, 1, 1})), 11u);  // a few chips
 }
 
 TEST(TubeLength, IsMeasuredFromTheToolInBothSpaces) {
