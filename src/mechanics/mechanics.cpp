@@ -172,10 +172,10 @@ void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles, std::si
           for (int b = 0; b < S::dim; ++b) {
             if (!Full && plane_index<S>(c) > b) continue;  // the same component again
             record[Record::stress + stress_slot<S, Full>(c, b)] *=
-                2 * std::numbers::pi * radius * (c == 1 ? radius : 1.0);
+                2 * std::numbers::pi * std::abs(radius) * (c == 1 ? radius : 1.0);
           }
         if constexpr (ArtificialStress)
-          for (int c = 0; c < Record::tensor; ++c) record[Record::artificial + c] *= 2 * std::numbers::pi * radius;
+          for (int c = 0; c < Record::tensor; ++c) record[Record::artificial + c] *= 2 * std::numbers::pi * std::abs(radius);
       }
     if constexpr (OwnVelocity)
       for (std::size_t i = first; i < last; ++i) {
