@@ -99,7 +99,9 @@ void InertiaGuards::look(const Simulation& simulation) {
     turn_ = 2 * std::numbers::pi / spin;
   }
   swirl_scale_ = inertia.swirl_scale();
-  const double travel = particles.layout().dim == 3 ? rim_speed_ * simulation.clock().dt / spacing_ : 0.0;
+  // A round tool that slides on the metal may go as far as it likes; metal that follows it passes its neighbours.
+  const double fastest = std::min(rim_speed_, simulation.largest_speed());
+  const double travel = particles.layout().dim == 3 ? fastest * simulation.clock().dt / spacing_ : 0.0;
   rim_travel_ += share * (travel - rim_travel_);
   if (!settled()) return;
   for (int k = 0; k < guard_count; ++k) largest_[k] = std::max(largest_[k], value(static_cast<Guard>(k)));

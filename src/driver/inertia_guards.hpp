@@ -18,7 +18,7 @@ enum class Guard {
   Viscous,    ///< alpha rho s c h rate (rms) over the flow stress; the rate is that at which the viscosity dissipates
   Inertia,    ///< rho s v^2 over the flow stress, without a swirl that has no inertia
   SpinUp,     ///< time rho s_swirl dx v_rim/(sigma_y/sqrt(3)) for the swirl to follow, in turns of the tool
-  RimTravel,  ///< way of the rim in a step over dx; three dimensions only, rings do not pass each other
+  RimTravel,  ///< way of the metal at the rim in a step over dx; three dimensions only, rings do not pass each other
 };
 constexpr int guard_count = 4;
 inline constexpr std::array<const char*, guard_count> guard_names{"viscous", "inertia", "spin_up", "rim_travel"};

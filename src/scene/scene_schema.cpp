@@ -453,7 +453,9 @@ void declare_heat_and_output(Schema& s) {
           "the tool")
       .positive()
       .by_default(1.0);
-  limits.real("guard_rim_travel", "way of the tool's rim in a step, in spacings (three dimensions)")
+  limits
+      .real("guard_rim_travel",
+            "way of the fastest metal, at most of the tool's rim, in a step, in spacings (three dimensions)")
       .positive()
       .by_default(0.25);
   limits

@@ -162,7 +162,11 @@ TEST(InertiaGuards, RimTravelAndSpinUp) {
   const auto guards = guards_of(
       *simulation, [](const Vec3&) { return Vec3{}; }, inside);
   const double omega = 1500.0 / 60 * 2 * std::numbers::pi, rim = omega * 4e-3;
-  EXPECT_NEAR(guards.measured(Guard::RimTravel) / (rim * simulation->clock().dt / 1e-3), 1, 1e-9);
+  // The metal has hardly begun to follow: its own speed counts.
+  const double fastest = simulation->largest_speed();
+  EXPECT_GT(fastest, 0);
+  EXPECT_LT(fastest, rim);
+  EXPECT_NEAR(guards.measured(Guard::RimTravel) / (fastest * simulation->clock().dt / 1e-3), 1, 1e-9);
   const double strength = simulation->comm().max(simulation->particles()[field::flow_stress][0]);
   const double spin_up = 2785e4 * 1e-3 * rim / (strength / std::numbers::sqrt3);
   EXPECT_NEAR(guards.measured(Guard::SpinUp) / (spin_up * omega / (2 * std::numbers::pi)), 1, 1e-9);

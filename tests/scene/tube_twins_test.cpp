@@ -147,8 +147,7 @@ TEST(TubeTwins, HotMetalGoesUpIntoTheGap) {
   run_to_end(*run);
   const Diagnostics d = diagnose(*run);
   EXPECT_EQ(d.leaked, 0);
-  // Wide: gradient_correction = "velocity" counts plastic work with another gradient than that of the momentum sum.
-  EXPECT_LT(std::abs(d.energy.residual()), 0.3);
+  EXPECT_LT(std::abs(d.energy.residual()), 0.01);
   const ParticleSet& particles = run->particles();
   const double travel = -run->rigids()[0].pose.translation.z, face = 0.035 - travel;
   EXPECT_GT(travel, 0.002);
@@ -186,7 +185,7 @@ TEST(TubeTwins, ThreeAlloysFlowAndNoneIsLost) {
   EXPECT_EQ(before.size(), 3u);
   EXPECT_EQ(after, before);
   EXPECT_EQ(d.leaked, 0);
-  EXPECT_LT(std::abs(d.energy.residual()), 0.2);  // see above
+  EXPECT_LT(std::abs(d.energy.residual()), 0.01);
   EXPECT_GT(mixing_index(*run, -1, false), mixed + 0.01);
   EXPECT_LT(angular_spread(*run, 0), angles - 0.005);  // a straight sheet lies at two opposite angles
   EXPECT_GT(extruded_length(*run, 0), 0.002);
