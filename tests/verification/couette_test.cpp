@@ -1,0 +1,137 @@
+/// C8, G1 and F3 of the verification catalogue in the axisymmetric space: metal sheared between a turning tool and a
+/// die.
+///
+/// The kernel sees a jump of velocity over one spacing as a shear over its support, 2 h_over_dx dx: where a shear zone
+/// is thinner than that, the rate in it is too low by the ratio and a rate-sensitive metal too soft. The first two
+/// tests tell the one from the other.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "support/scene_run.hpp"
+
+namespace stirsph::testing {
+namespace {
+
+constexpr double inner_radius = 5e-3, rate = 100, length = 2e-3;  // m, rad/s, m of the slice along z
+using Overrides = std::vector<std::string>;
+
+struct Couette {
+  double torque = 0;      ///< mean over the last tenth, per length [N]
+  double die_torque = 0;  ///< of the grip outside [N]
+  double slip_ratio = 0;  ///< of the rubbing tool at the end
+  std::unique_ptr<Simulation> simulation;
+};
+
+double grip_torque(const Simulation& simulation, std::size_t grip) {
+  return simulation.comm().sum(simulation.grip_loads()[grip].torque.z);
+}
+
+/// Runs a scene; the tool is grip 0, or the rigid body 0 that rubs.
+Couette couette(const std::string& scene, const Overrides& overrides, bool rubbing = false) {
+  Couette result;
+  result.simulation = started(verification_scene(scene), overrides);
+  Simulation& run = *result.simulation;
+  const double end = run.scene().time.end;
+  long samples = 0;
+  run_to_end(run, [&] {
+    if (run.clock().time < 0.9 * end) return;
+    samples += 1;
+    result.torque += rubbing ? -run.comm().sum(run.contact()->loads()[0].torque.z) : grip_torque(run, 0);
+    result.die_torque += grip_torque(run, rubbing ? 0 : 1);
+  });
+  result.torque /= static_cast<double>(samples) * length;
+  result.die_torque /= static_cast<double>(samples) * length;
+  if (rubbing) {
+    const ContactLoad& load = run.contact()->loads()[0];
+    result.slip_ratio = run.comm().sum(load.sliding_speed) / run.comm().sum(load.surface_speed);
+  }
+  return result;
+}
+
+Overrides material(const std::string& name) { return {"material.0.file=../materials/" + name + ".toml"}; }
+
+/// Torque per length [N] when all slip lies in a zone as thick as the kernel support: what Johnson-Cook metal then
+/// bears.
+double torque_of_kernel_zone(double yield, double sensitivity, double spacing) {
+  const double shear_rate = rate * inner_radius / (2 * 1.3 * spacing);
+  return 2 * M_PI * inner_radius * inner_radius * yield / std::sqrt(3.0) *
+         (1 + sensitivity * std::log(shear_rate / std::sqrt(3.0)));
+}
+
+TEST(Couette, PerfectlyPlasticTorqueC8) {
+  const Couette flow = couette("c8_couette_rings", material("al_perfectly_plastic"));
+  const double exact = 2 * M_PI * inner_radius * inner_radius * 265e6 / std::sqrt(3.0);
+  std::printf("C8 perfectly plastic: torque %.1f N, %+.2f %%, on the die %+.3f %% of it\n", flow.torque,
+              100 * (flow.torque / exact - 1), 100 * flow.die_torque / flow.torque);
+  EXPECT_NEAR(flow.torque, exact, 0.01 * exact);
+  EXPECT_NEAR(flow.die_torque, -flow.torque, 0.01 * exact);
+}
+
+TEST(Couette, JohnsonCookTorqueC8) {
+  const Couette flow = couette("c8_couette_rings", material("al"));
+  std::printf("C8 AL: torque %.1f N, exact 27300, kernel zone %.1f\n", flow.torque,
+              torque_of_kernel_zone(265e6, 0.015, 0.25e-3));
+  EXPECT_NEAR(flow.torque, 27300, 0.06 * 27300);
+  EXPECT_NEAR(flow.torque, torque_of_kernel_zone(265e6, 0.015, 0.25e-3), 0.005 * 27300);
+}
+
+/// The target of 5 % is missed at 0.25 mm (-8.6 %, -4.8 % at 0.125 mm, -2.2 % at 0.0625 mm), for the reason above.
+TEST(Couette, RateSensitiveTorqueC8) {
+  const Couette flow = couette("c8_couette_rings", {});
+  std::printf("C8 RS: torque %.1f N, exact 39251, kernel zone %.1f; on the die %+.3f %% of it\n", flow.torque,
+              torque_of_kernel_zone(217e6, 0.135, 0.25e-3), 100 * flow.die_torque / flow.torque);
+  EXPECT_NEAR(flow.torque, 39251, 0.10 * 39251);
+  EXPECT_NEAR(flow.torque, torque_of_kernel_zone(217e6, 0.135, 0.25e-3), 0.01 * 39251);
+  EXPECT_NEAR(flow.die_torque, -flow.torque, 0.01 * 39251);
+}
+
+/// Scaled inertia: held layers and no free flow across the swirl, so nothing but noise may come of it (F3).
+TEST(Couette, MassScalingLeavesTorqueF3) {
+  for (const std::string inertia : {"full", "no_swirl"}) {
+    const Couette flow = couette("c8_couette_rings", {"numerics.density_scale=100", "numerics.inertia=" + inertia});
+    EXPECT_NEAR(flow.torque, torque_of_kernel_zone(217e6, 0.135, 0.25e-3), 0.01 * 39251) << inertia;
+  }
+}
+
+/// A tool that sticks drives the metal below its face, and that must bear its whole shear strength: full correction.
+/// The friction stress acts on the area and with the arm of the outermost ring, half a spacing outside the face.
+TEST(Couette, RubbingToolC8) {
+  Overrides full = material("al_perfectly_plastic");
+  full.push_back("numerics.gradient_correction=full");
+  const Couette flow = couette("c8_couette_contact", full, true);
+  const double ring = inner_radius + 0.125e-3, exact = 2 * M_PI * ring * ring * 265e6 / std::sqrt(3.0);
+  std::printf("C8 rubbing: torque %.1f N, %+.2f %% of that at the first ring, slip %.3f\n", flow.torque,
+              100 * (flow.torque / exact - 1), flow.slip_ratio);
+  EXPECT_NEAR(flow.torque, exact, 0.01 * exact);
+}
+
+/// With the plain momentum sum (none, velocity) the outermost two layers pass on less than their stress: of the pairs
+/// across the plane between them, those a spacing further out are missing, 12.3 % with the cubic kernel and h = 1.3 dx.
+TEST(Couette, PlainSumWeakensTheOutermostLayerC8) {
+  const Couette flow = couette("c8_couette_contact", material("al_perfectly_plastic"), true);
+  const auto slope = [](double q) {
+    return q < 1 ? 2 * q - 1.5 * q * q : 0.5 * (2 - q) * (2 - q);
+  };  // of the 1D kernel
+  const double near = slope(1 / 1.3), far = slope(2 / 1.3), passed = (near + far) / (near + 2 * far);
+  const double plane = inner_radius + 0.25e-3, strength = 2 * M_PI * plane * plane * 265e6 / std::sqrt(3.0);
+  std::printf("C8 rubbing, plain sum: torque %.1f N, %.4f of the strength below the first ring, %.4f foreseen\n",
+              flow.torque, flow.torque / strength, passed);
+  EXPECT_NEAR(flow.torque / strength, passed, 0.01);
+}
+
+/// Heated by plastic work, cooled by the die (G1). The rate in the kernel's zone is too low here as well: 5 % are met
+/// at 0.125 mm but for the torque (-5.3 %).
+TEST(Couette, HotG1) {
+  const Couette flow = couette("g1_hot_couette", {});
+  const Diagnostics end = diagnose(*flow.simulation);
+  std::printf("G1: torque %.1f N of 33536, face %.2f K of 451.45\n", flow.torque, end.probes[0]);
+  EXPECT_NEAR(flow.torque, 33536, 0.09 * 33536);
+  EXPECT_NEAR(end.probes[0] - 293.15, 451.45 - 293.15, 0.07 * (451.45 - 293.15));
+  EXPECT_LT(std::abs(end.energy.residual()), 1e-3);
+}
+
+}  // namespace
+}  // namespace stirsph::testing
