@@ -65,8 +65,8 @@ TEST(TaylorBar, EnergyClosesWithEveryGradientCorrection) {
   }
 }
 
-/// The same in rings: on the axis as well the forces are the adjoint of the gradient, images included. (With the sign of a
-/// consistent sum for the images' stress the residual is 7e-3, and innermost rings of a tube extrusion blow up.)
+/// The same in rings: on the axis as well the forces are the adjoint of the gradient, images included. (With the sign
+/// of a consistent sum for the images' stress the residual is 7e-3, and innermost rings of a tube extrusion blow up.)
 TEST(TaylorBar, EnergyClosesOnTheAxis) {
   const auto simulation = started(verification_scene("c4_taylor_bar"),
                                   {"space=axisymmetric", "numerics.spacing=0.4 mm", "probe.0.component=1"});
