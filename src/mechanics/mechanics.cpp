@@ -175,7 +175,8 @@ void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles, std::si
                 2 * std::numbers::pi * std::abs(radius) * (c == 1 ? radius : 1.0);
           }
         if constexpr (ArtificialStress)
-          for (int c = 0; c < Record::tensor; ++c) record[Record::artificial + c] *= 2 * std::numbers::pi * std::abs(radius);
+          for (int c = 0; c < Record::tensor; ++c)
+            record[Record::artificial + c] *= 2 * std::numbers::pi * std::abs(radius);
       }
     if constexpr (OwnVelocity)
       for (std::size_t i = first; i < last; ++i) {

@@ -157,14 +157,14 @@ TEST(InertiaGuards, ShearOfKnownRate) {
 }
 
 TEST(InertiaGuards, RimTravelAndSpinUp) {
-  const auto simulation = started_text(block);
+  const auto simulation = started_text(block, {"body.0.velocity.x=0.2 m/s"});
   simulation->step();
   const auto guards = guards_of(
       *simulation, [](const Vec3&) { return Vec3{}; }, inside);
   const double omega = 1500.0 / 60 * 2 * std::numbers::pi, rim = omega * 4e-3;
-  // The metal has hardly begun to follow: its own speed counts.
+  // The metal is slower than the rim: its own speed counts.
   const double fastest = simulation->largest_speed();
-  EXPECT_GT(fastest, 0);
+  EXPECT_GT(fastest, 0.1);
   EXPECT_LT(fastest, rim);
   EXPECT_NEAR(guards.measured(Guard::RimTravel) / (fastest * simulation->clock().dt / 1e-3), 1, 1e-9);
   const double strength = simulation->comm().max(simulation->particles()[field::flow_stress][0]);
