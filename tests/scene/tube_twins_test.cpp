@@ -33,7 +33,7 @@ std::string common_text(const std::string& path) {
   for (std::string line; std::getline(file, line);) {
     body = body || line.rfind("space", 0) == 0;
     if (line.rfind('[', 0) == 0) motion = line == "[rigid.motion]";
-    if (body && !motion && line.rfind("rotation", 0) != 0) kept << line << "\n";
+    if (body && !motion && line.rfind("rotation", 0) != 0 && line.rfind("end = ", 0) != 0) kept << line << "\n";
   }
   return kept.str();
 }
