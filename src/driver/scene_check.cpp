@@ -95,10 +95,11 @@ std::string check_scene(const Comm& comm, const Scene& scene) {
           if (std::isfinite(value)) radius = std::max(radius, std::abs(value - rigid.pose.centre.x));
         const double rim = std::abs(rigid.pose.angular_velocity) * radius;
         line("rim of " + rigid.name,
-             fmt::format(
-                 "{:.4g} m/s = {:.3g} wave speeds, {:.3g} spacings per step{}", rim, rim / waves,
-                 rim * dt / scene.numerics.spacing,
-                 rim * dt > 0.25 * scene.numerics.spacing ? "  warning: more than a quarter spacing per step" : ""));
+             fmt::format("{:.4g} m/s = {:.3g} wave speeds, {:.3g} spacings per step{}", rim, rim / waves,
+                         rim * dt / scene.numerics.spacing,
+                         !layout_of(scene.space).axisymmetric() && rim * dt > 0.25 * scene.numerics.spacing
+                             ? "  warning: more than a quarter spacing per step"
+                             : ""));
       }
   } else {
     line("time step", fmt::format("{:.5g} s (heat only)", dt));

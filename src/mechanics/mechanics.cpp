@@ -52,10 +52,13 @@ void MechanicsIn<S>::initialise(ParticleSet& particles) const {
 template <class S>
 double MechanicsIn<S>::wave_speed() const {
   double fastest = pressure_wave_speed();
-  // Swirl travels as a shear wave, the faster the lighter it is.
+  // A swirl is the faster the lighter it is: that of rings travels as a shear wave, in three dimensions it also runs
+  // along its circles as a pressure wave.
   if (inertia_.directional())
-    for (const Material& m : materials_)
-      fastest = std::max(fastest, std::sqrt(m.shear_modulus() / (m.density * inertia_.swirl_scale())));
+    for (const Material& m : materials_) {
+      const double shear = std::sqrt(m.shear_modulus() / m.density), along = across < S >> 0 ? shear : m.sound_speed();
+      fastest = std::max(fastest, along / std::sqrt(inertia_.swirl_scale()));
+    }
   return fastest;
 }
 
