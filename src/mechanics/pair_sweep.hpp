@@ -40,9 +40,10 @@ static_assert(cluster_size % lanes == 0, "a cluster is a whole number of SIMD re
 
 constexpr int padded_record(int size) { return (size + 7) / 8 * 8; }
 
-/// Largest |M^-1| (Frobenius) that a gradient is corrected with where the momentum sum is plain. Faces, edges and corners of a body have 2.7, 4.5 and 7
-/// (cubic spline), in disorder up to 14; a chip of a dozen particles has more. With the plain momentum sum such a
-/// correction is a gain from velocity to stress that the forces do not have, and feeds the chip until it explodes.
+/// Largest |M^-1| (Frobenius) that a gradient is corrected with where the momentum sum is plain. Faces, edges and
+/// corners of a body have 2.7, 4.5 and 7 (cubic spline), in disorder up to 14; a chip of a dozen particles has more.
+/// With the plain momentum sum such a correction is a gain from velocity to stress that the forces do not have, and
+/// feeds the chip until it explodes.
 inline constexpr double largest_correction = 15;
 
 /// Keeps r away from zero for the particle itself; (1e-30 m)^2, far below any spacing.
