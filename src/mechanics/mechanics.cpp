@@ -165,7 +165,10 @@ void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles, std::si
     records_.resize(particles.capacity() * Record::size);
     fill_records(columns, first, last, Record::size, records_.data());
 
-    if constexpr (across < S >> 0)  // the ring's section, its angular velocity, and the stresses that go with both
+    // The ring's section, its angular velocity, and the stresses that go with both. An image has the sign that keeps
+    // the forces adjoint to the gradient, not that of a smooth field through the axis: otherwise inner rings gain
+    // energy.
+    if constexpr (across < S >> 0)
       for (std::size_t i = first; i < last; ++i) {
         double* const record = records_.data() + i * Record::size;
         const double radius = ring_radius(record[Record::x], inertia_);

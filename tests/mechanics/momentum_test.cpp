@@ -16,16 +16,9 @@ namespace {
 using testing::disordered_body;
 using testing::kernel_gradient;
 using testing::swept_gradient;
+using testing::two_materials;
 
 constexpr double spacing = 0.4e-3;
-
-/// Two elastic materials, so that density and impedance differ between neighbours.
-std::vector<Material> two_materials() {
-  Material light, heavy;
-  light.density = 2785, light.youngs_modulus = 72.4e9, light.poisson_ratio = 0.33;
-  heavy.density = 8960, heavy.youngs_modulus = 124e9, heavy.poisson_ratio = 0.34;
-  return {light, heavy};
-}
 
 struct Forces {
   std::vector<Vec3> force;  ///< N

@@ -15,15 +15,9 @@ namespace {
 
 using testing::disordered_body;
 using testing::kernel_gradient;
+using testing::two_materials;
 
 constexpr double spacing = 0.4e-3, smoothing = 1.3 * spacing, pi = std::numbers::pi;
-
-std::vector<Material> two_materials() {
-  Material light, heavy;
-  light.density = 2785, light.youngs_modulus = 72.4e9, light.poisson_ratio = 0.33;
-  heavy.density = 8960, heavy.youngs_modulus = 124e9, heavy.poisson_ratio = 0.34;
-  return {light, heavy};
-}
 
 /// A ring as on paper: r and z, v_r omega v_z, stresses rr tt zz rt rz tz, section.
 struct Ring {

@@ -6,10 +6,19 @@
 #include <numbers>
 #include <random>
 
+#include "materials/material.hpp"
 #include "mechanics/pair_sweep.hpp"
 #include "support/lattice.hpp"
 
 namespace stirsph::testing {
+
+/// Two elastic materials, so that density and impedance differ between neighbours.
+inline std::vector<Material> two_materials() {
+  Material light, heavy;
+  light.density = 2785, light.youngs_modulus = 72.4e9, light.poisson_ratio = 0.33;
+  heavy.density = 8960, heavy.youngs_modulus = 124e9, heavy.poisson_ratio = 0.34;
+  return {light, heavy};
+}
 
 /// A jittered block whose fields follow from the particle ids, so that halo copies carry the same values.
 template <class S>
