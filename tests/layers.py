@@ -19,7 +19,7 @@ LAYERS = {
     "parallel": ["base", "particles"],
     "io": ["base", "particles", "geometry"],
     "mechanics": ["base", "input", "particles", "materials", "neighbours", "parallel"],
-    "contact": ["base", "input", "particles", "geometry"],
+    "contact": ["base", "input", "particles", "geometry", "materials"],
     "thermal": ["base", "input", "particles", "geometry", "materials", "neighbours", "parallel"],
     "microstructure": ["base", "input", "particles", "materials"],
 }

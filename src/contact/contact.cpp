@@ -9,12 +9,19 @@
 
 namespace stirsph {
 
-Contact::Contact(std::vector<ContactPair> pairs, int dim, double spacing, std::vector<double> moduli,
+namespace {
+
+/// A ring's velocity or force with another swirl component.
+Vec3 with_swirl(const Vec3& v, double factor) { return {v.x, v.y * factor, v.z}; }
+
+}  // namespace
+
+Contact::Contact(std::vector<ContactPair> pairs, int dim, double spacing, std::vector<ContactMaterial> materials,
                  const Inertia& inertia)
     : pairs_(std::move(pairs)),
       dim_(dim),
       spacing_(spacing),
-      moduli_(std::move(moduli)),
+      materials_(std::move(materials)),
       inertia_(inertia),
       candidates_(pairs_.size()) {}
 
@@ -24,18 +31,51 @@ double Contact::area_of(double volume, double radius) const {
   return circumference * std::sqrt(volume / circumference);
 }
 
-/// Friction [N] against a slip [m/s] that all other forces would leave at the end of the kick. Sticking is what would
-/// bring it to rest there: friction never reverses the slip and a held particle does not creep, also where inertia
-/// depends on the direction.
-Vec3 Contact::friction_on(const Vec3& x, const Vec3& slip, double mass, double limit, double dt) const {
-  const Vec3 sticking = inertia_.momentum(x, slip) * (-mass / dt);
+double Contact::lever(const Vec3& x, const SurfacePoint& surface) const {
+  if (!inertia_.axisymmetric || x.x < inertia_.core) return 1;
+  return (x.x - surface.distance * surface.normal.x) / x.x;
+}
+
+Vec3 Contact::sticking(const Vec3& x, const Vec3& slip, double lever, double mass, double dt) const {
+  return with_swirl(inertia_.momentum(x, with_swirl(slip, 1 / lever)), 1 / lever) * (-mass / dt);
+}
+
+Vec3 Contact::sliding(const Vec3& x, const Vec3& slip, double lever, double mass, double limit, double dt) const {
   const double speed = norm(slip);
-  if (norm(sticking) <= limit) return sticking;
-  if (!inertia_.directional()) return slip * (-limit / speed);
+  if (!inertia_.directional() && lever == 1) return slip * (-limit / speed);
   const Vec3 swirl = inertia_.swirl_part(x, slip);
   const double per_speed = std::min(limit / speed, mass * inertia_.scale / dt),
-               per_swirl = std::min(limit / speed, mass * inertia_.swirl_scale() / dt);
+               per_swirl = std::min(limit / speed, mass * inertia_.swirl_scale() / (lever * lever * dt));
   return -per_speed * (slip - swirl) - per_swirl * swirl;
+}
+
+double Contact::shear_limit(const ContactPair& pair, const ParticleSet& particles, std::size_t i, double area,
+                            double coulomb, double slip, double stopping) const {
+  if (pair.shear_limit >= 0) return std::min(coulomb, area * pair.shear_limit);
+  const double per_stress = area * pair.shear_limit_factor * std::numbers::inv_sqrt3;
+  const double strength = per_stress * particles[field::flow_stress][i];
+  const FlowStress* flow = materials_[static_cast<int>(particles[field::material][i])].flow.get();
+  if (coulomb <= strength || stopping <= strength || !flow) return std::min(coulomb, strength);
+  const auto at_slip = [&](double speed) {
+    const double rate = speed / spacing_ * std::numbers::inv_sqrt3;
+    return std::max(strength, per_stress * flow->value(particles[field::equivalent_plastic_strain][i], rate,
+                                                       particles[field::temperature][i]));
+  };
+  // The slip that is left after the kick, u = slip (1 - force/stopping), by the secant in a bracket (Illinois).
+  double low = 0, high = slip, at_low = strength - stopping, at_high = at_slip(slip), force = at_high;
+  int last = 0;
+  for (int iteration = 0; iteration < 50 && high - low > 1e-9 * slip; ++iteration) {
+    const double u = (low * at_high - high * at_low) / (at_high - at_low);
+    force = at_slip(u);
+    const double excess = force - stopping * (1 - u / slip);
+    if (std::abs(excess) <= 1e-9 * stopping) break;
+    const int side = excess > 0 ? 1 : -1;
+    (excess > 0 ? high : low) = u;
+    (excess > 0 ? at_high : at_low) = excess;
+    if (side == last) (excess > 0 ? at_low : at_high) *= 0.5;
+    last = side;
+  }
+  return std::min(coulomb, force);
 }
 
 namespace {
@@ -101,7 +141,6 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
   }
   const double* mass = particles[field::mass].data();
   const double* volume = particles[field::volume].data();
-  const double* strength = particles[field::flow_stress].data();
   const double* material_of = particles[field::material].data();
   double* heat_field = heat_input ? particles[field::heat_input].data() : nullptr;
 
@@ -123,43 +162,50 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
       if (depth <= 0) continue;
       const Vec3 n = surface.normal;
       const int material = static_cast<int>(material_of[i]);
+      const double arm = lever(x, surface);
       const double inertia = mass[i] * inertia_.scale, area = area_of(volume[i], x.x);
-      const double stiffness = std::max(pair.penalty_scale * moduli_[material] * area / spacing_,
+      const double stiffness = std::max(pair.penalty_scale * materials_[material].youngs_modulus * area / spacing_,
                                         pair.soft_scale * inertia / (contact_step_ * contact_step_));
       Vec3 half_velocity, acceleration;
       for (int d = 0; d < components; ++d) {
         half_velocity[d] = v[d][i];
         acceleration[d] = a[d][i];
       }
-      const Vec3 surface_velocity = rigid.pose.velocity_at(x);
+      half_velocity = with_swirl(half_velocity, arm);  // of the particle's metal at the surface
+      acceleration = with_swirl(acceleration, arm);
+      const Vec3 foot = inertia_.axisymmetric ? x - surface.distance * n : x;
+      const Vec3 surface_velocity = rigid.pose.velocity_at(foot);
       const double opening = dot(half_velocity - surface_velocity, n);
       const double normal_force =
           std::max(0.0, stiffness * depth - 2 * pair.damping * std::sqrt(stiffness * inertia) * opening);
 
       const Vec3 coming = half_velocity + dt * acceleration - surface_velocity;
       const Vec3 slip = coming - dot(coming, n) * n;
-      const double cap =
-          pair.shear_limit >= 0 ? pair.shear_limit : pair.shear_limit_factor * strength[i] * std::numbers::inv_sqrt3;
-      const Vec3 friction = friction_on(x, slip, mass[i], std::min(pair.friction * normal_force, cap * area), dt);
-      const Vec3 force = normal_force * n + friction, added = inertia_.acceleration(x, force / mass[i]);
+      const double touching = area * arm;
+      const Vec3 stopping = sticking(x, slip, arm, mass[i], dt);
+      const double limit =
+          shear_limit(pair, particles, i, touching, pair.friction * normal_force, norm(slip), norm(stopping));
+      const Vec3 friction = norm(stopping) <= limit ? stopping : sliding(x, slip, arm, mass[i], limit, dt);
+      const Vec3 force = normal_force * n + friction,
+                 added = inertia_.acceleration(x, with_swirl(force, arm) / mass[i]);
       for (int d = 0; d < components; ++d) a[d][i] += added[d];
 
       // Work over the kick: force times the mean of the velocities before and after it.
-      const Vec3 mean = half_velocity + 0.5 * dt * (acceleration + added) - surface_velocity;
+      const Vec3 mean = half_velocity + 0.5 * dt * (acceleration + with_swirl(added, arm)) - surface_velocity;
       const Vec3 tangential = mean - dot(mean, n) * n;
       const double friction_power = -dot(friction, tangential);
       ledger_.external += dot(force, surface_velocity) * dt;
       ledger_.friction += friction_power * dt;
       ledger_.normal -= normal_force * dot(mean, n) * dt;
 
-      Vec3 torque = cross(x - rigid.pose.axis_point(), force), resultant = force;
+      Vec3 torque = cross(foot - rigid.pose.axis_point(), force), resultant = force;
       if (inertia_.axisymmetric) resultant.x = resultant.y = torque.x = torque.y = 0;  // of the whole ring
       load.force -= resultant;
       load.torque -= torque;
       load.friction_power += friction_power;
       load.sliding_speed += norm(tangential);
       load.surface_speed += norm(surface_velocity - dot(surface_velocity, n) * n);
-      load.area += area;
+      load.area += touching;
       load.normal_force += normal_force;
       load.penetration = std::max(load.penetration, depth);
       const double heat = pair.heat_conversion * friction_power * dt;

@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "geometry/rigid_body.hpp"
+#include "materials/flow_stress.hpp"
 #include "particles/inertia.hpp"
 #include "particles/particle_set.hpp"
 
@@ -17,7 +19,7 @@ struct ContactPair {
   int rigid = 0;                  ///< index of the rigid body
   std::vector<bool> bodies;       ///< which particle bodies take part
   double friction = 0;            ///< Coulomb coefficient mu
-  double shear_limit_factor = 1;  ///< factor on sigma_y/sqrt(3) of the particle's own flow stress
+  double shear_limit_factor = 1;  ///< factor on the shear strength sigma_y/sqrt(3) of the metal at the surface
   double shear_limit = -1;        ///< Pa; when >= 0 it replaces the flow stress limit
   double penalty_scale = 0.1;     ///< times E A/dx, A the particle's area: the standard penalty stiffness
   double soft_scale = 0.1;        ///< S_f of eq. 11
@@ -25,6 +27,12 @@ struct ContactPair {
   double heat_conversion = 0.9;   ///< eta of eq. 14
   int heat_component = -1;        ///< of field::rigid_heat for the body's share of the friction heat; -1: it takes none
   std::vector<double> heat_share;  ///< per material: share of friction heat that stays in the particle (f of eq. 15)
+};
+
+/// What contact needs to know of a material of the particles.
+struct ContactMaterial {
+  double youngs_modulus = 0;               ///< Pa, with the elastic scaling
+  std::shared_ptr<const FlowStress> flow;  ///< null: elastic
 };
 
 /// What one rigid body felt in the last step, on this rank.
@@ -50,9 +58,10 @@ struct ContactLedger {
 
 class Contact {
  public:
-  /// `spacing` [m]; a particle's surface lies spacing/2 outside its centre. `moduli`: Young's modulus per material
-  /// [Pa].
-  Contact(std::vector<ContactPair> pairs, int dim, double spacing, std::vector<double> moduli, const Inertia& inertia);
+  /// `spacing` [m]; a particle's surface lies spacing/2 outside its centre. `materials` by their number in
+  /// field::material.
+  Contact(std::vector<ContactPair> pairs, int dim, double spacing, std::vector<ContactMaterial> materials,
+          const Inertia& inertia);
 
   /// From now on, another scaling of the mass; the soft constraint keeps its stiffness.
   void set_density_scale(double scale) {
@@ -93,12 +102,26 @@ class Contact {
   double margin() const;  ///< m that may be travelled while a candidate list lives
   /// m2 that a particle covers on a surface; of a ring all around, in plane strain per metre of depth.
   double area_of(double volume, double radius) const;
-  Vec3 friction_on(const Vec3& x, const Vec3& slip, double mass, double limit, double dt) const;
+  /// Radius of the touched surface over that of a ring: the surface's friction has that area and arm, the metal between
+  /// it and the ring's centre passes its torque on. 1 in other spaces, where a particle has no moment to take one by.
+  double lever(const Vec3& x, const SurfacePoint& surface) const;
+  /// Friction [N] at the surface that brings a slip [m/s] there to rest, which all other forces would leave at the end
+  /// of the kick: friction never reverses the slip and a held particle does not creep, also where inertia depends on
+  /// the direction.
+  Vec3 sticking(const Vec3& x, const Vec3& slip, double lever, double mass, double dt) const;
+  /// Friction [N] of the given magnitude that slows the slip down.
+  Vec3 sliding(const Vec3& x, const Vec3& slip, double lever, double mass, double limit, double dt) const;
+  /// Largest friction [N] of particle i: Coulomb's, or what the metal at the surface bears, sigma_y/sqrt(3) of its area
+  /// (paper eq. 12). sigma_y is taken at the rate of the particle or at that of a layer of one spacing which shears
+  /// with the slip left after the kick, whichever is the larger: a surface that slips and a layer that is sheared are
+  /// the same thing at this resolution and must be equally strong. `stopping` [N]: what would stop the slip.
+  double shear_limit(const ContactPair& pair, const ParticleSet& particles, std::size_t i, double area, double coulomb,
+                     double slip, double stopping) const;
 
   std::vector<ContactPair> pairs_;
   int dim_;
   double spacing_;
-  std::vector<double> moduli_;
+  std::vector<ContactMaterial> materials_;
   Inertia inertia_;
   double contact_step_ = 0;
   bool candidates_valid_ = false;

@@ -153,10 +153,11 @@ void Simulation::build_contact() {
     }
     pairs.push_back(std::move(pair));
   }
-  std::vector<double> moduli;
+  std::vector<ContactMaterial> materials;
   for (const Material& material : scene_.materials)
-    moduli.push_back(material.youngs_modulus * scene_.numerics.elastic_scale);
-  contact_ = std::make_unique<Contact>(std::move(pairs), layout_of(scene_.space).dim, scene_.numerics.spacing, moduli,
+    materials.push_back({material.youngs_modulus * scene_.numerics.elastic_scale, material.flow});
+  contact_ = std::make_unique<Contact>(std::move(pairs), layout_of(scene_.space).dim, scene_.numerics.spacing,
+                                       std::move(materials),
                                        inertia_of(scene_.numerics, layout_of(scene_.space).axisymmetric()));
 }
 
