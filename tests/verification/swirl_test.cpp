@@ -85,5 +85,36 @@ TEST(SpinningPlug, NeitherInThreeDimensions) {
   }
 }
 
+/// A plug without a die: the mean of its stress across the axis balances the centrifugal force, whatever its outline,
+/// and on the axis it is (3 - 2 nu)/(8 (1 - nu)) s rho w^2 R^2 (Love). With a die the same force presses on the wall.
+TEST(SpinningPlug, ScaledInertiaTearsAtItInThreeDimensions) {
+  const auto simulation = started(
+      plug, {"space=cartesian3", "numerics.gradient_correction=full", "numerics.spacing=1 mm", "contact=[]",
+             "domain={periodic=[\"z\"], low=[\"-20 mm\", \"-20 mm\", \"0 mm\"], high=[\"20 mm\", \"20 mm\", \"4 mm\"]}",
+             "body.0.shape.height=4 mm"});
+  run_to_end(*simulation);
+  const auto x = gathered(*simulation, field::position, 0), y = gathered(*simulation, field::position, 1),
+             volume = gathered(*simulation, field::volume), xx = gathered(*simulation, field::stress, 0),
+             yy = gathered(*simulation, field::stress, 1);
+  const Material& metal = simulation->scene().materials[0];
+  const double rate = 500 * M_PI, weight = 100 * metal.density * rate * rate;
+  double stress = 0, centrifugal = 0, axis = 0, whole = 0;
+  long near_axis = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    stress += volume[i] * (xx[i] + yy[i]);
+    centrifugal += volume[i] * weight * (x[i] * x[i] + y[i] * y[i]);
+    whole += volume[i];
+    if (std::hypot(x[i], y[i]) > 1.5e-3) continue;
+    axis += 0.5 * (xx[i] + yy[i]);
+    near_axis += 1;
+  }
+  const double nu = metal.poisson_ratio, radius_squared = whole / (M_PI * 4e-3);
+  const double exact = (3 - 2 * nu) / (8 * (1 - nu)) * weight * radius_squared;
+  std::printf("spinning plug, 3-D: mean %.4f, axis %.4f of exact\n", stress / centrifugal,
+              axis / static_cast<double>(near_axis) / exact);
+  EXPECT_NEAR(stress, centrifugal, 0.03 * centrifugal);
+  EXPECT_NEAR(axis / static_cast<double>(near_axis), exact, 0.05 * exact);
+}
+
 }  // namespace
 }  // namespace stirsph::testing
