@@ -22,6 +22,7 @@ struct Couette {
   double torque = 0;      ///< mean over the last tenth, per length [N]
   double die_torque = 0;  ///< of the grip outside [N]
   double slip_ratio = 0;  ///< of the rubbing tool at the end
+  double heat_out = 0;    ///< W into fixed temperatures, mean over the last tenth
   std::unique_ptr<Simulation> simulation;
 };
 
@@ -36,14 +37,20 @@ Couette couette(const std::string& scene, const Overrides& overrides, bool rubbi
   Simulation& run = *result.simulation;
   const double end = run.scene().time.end;
   long samples = 0;
+  double since = 0, given = 0;
   run_to_end(run, [&] {
     if (run.clock().time < 0.9 * end) return;
+    if (samples == 0) {
+      since = run.clock().time;
+      given = run.heat_ledger().fixed;
+    }
     samples += 1;
     result.torque += rubbing ? -run.comm().sum(run.contact()->loads()[0].torque.z) : grip_torque(run, 0);
     result.die_torque += grip_torque(run, rubbing ? 0 : 1);
   });
   result.torque /= static_cast<double>(samples) * length;
   result.die_torque /= static_cast<double>(samples) * length;
+  result.heat_out = (run.heat_ledger().fixed - given) / (run.clock().time - since);
   if (rubbing) {
     const ContactLoad& load = run.contact()->loads()[0];
     result.slip_ratio = run.comm().sum(load.sliding_speed) / run.comm().sum(load.surface_speed);
@@ -142,6 +149,19 @@ TEST(Couette, HotG1) {
   std::printf("G1: torque %.1f N of 33536, face %.2f K of 451.45\n", flow.torque, end.probes[0]);
   EXPECT_NEAR(flow.torque, 33536, 0.09 * 33536);
   EXPECT_NEAR(end.probes[0] - 293.15, 451.45 - 293.15, 0.07 * (451.45 - 293.15));
+  EXPECT_LT(std::abs(end.energy.residual()), 1e-3);
+}
+
+/// With a tool that rubs: torque and temperature of the face to 5 %, heat out to 1 % of 0.9 of the power.
+TEST(Couette, HotRubbingToolG1) {
+  const Couette flow = couette("g1_hot_rubbing", {}, true);
+  const Diagnostics end = diagnose(*flow.simulation);
+  const double heat = 0.9 * flow.torque * length * rate;
+  std::printf("G1 rubbing: torque %.1f N of 33536, face %.2f K of 451.45, heat out %.4f of that made, slip %.3f\n",
+              flow.torque, end.probes[0], flow.heat_out / heat, flow.slip_ratio);
+  EXPECT_NEAR(flow.torque, 33536, 0.05 * 33536);
+  EXPECT_NEAR(end.probes[0] - 293.15, 451.45 - 293.15, 0.05 * (451.45 - 293.15));
+  EXPECT_NEAR(flow.heat_out, heat, 0.01 * heat);
   EXPECT_LT(std::abs(end.energy.residual()), 1e-3);
 }
 
