@@ -64,11 +64,11 @@ double Contact::shear_limit(const ContactPair& pair, const ParticleSet& particle
   // The slip that is left after the kick, u = slip (1 - force/stopping), by the secant in a bracket (Illinois).
   double low = 0, high = slip, at_low = strength - stopping, at_high = at_slip(slip), force = at_high;
   int last = 0;
-  for (int iteration = 0; iteration < 50 && high - low > 1e-9 * slip; ++iteration) {
+  for (int iteration = 0; iteration < 50 && high - low > 1e-15 * slip; ++iteration) {
     const double u = (low * at_high - high * at_low) / (at_high - at_low);
     force = at_slip(u);
     const double excess = force - stopping * (1 - u / slip);
-    if (std::abs(excess) <= 1e-9 * stopping) break;
+    if (std::abs(excess) <= 1e-14 * stopping) break;
     const int side = excess > 0 ? 1 : -1;
     (excess > 0 ? high : low) = u;
     (excess > 0 ? at_high : at_low) = excess;
