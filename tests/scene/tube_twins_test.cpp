@@ -25,7 +25,7 @@ std::string scene_of(int id, const std::string& file = "scene.toml") {
 }
 
 /// The lines of a scene file without what ID1 to ID3 and both controls may differ in: the comment and title at the
-/// head, the rate of rotation, the motion of the tool.
+/// head, the rate of rotation, the motion of the tool, and the scaling of the mass (the faster the tool, the less).
 std::string common_text(const std::string& path) {
   std::ifstream file(path);
   std::ostringstream kept;
@@ -33,7 +33,9 @@ std::string common_text(const std::string& path) {
   for (std::string line; std::getline(file, line);) {
     body = body || line.rfind("space", 0) == 0;
     if (line.rfind('[', 0) == 0) motion = line == "[rigid.motion]";
-    if (body && !motion && line.rfind("rotation", 0) != 0 && line.rfind("end = ", 0) != 0) kept << line << "\n";
+    const auto starts_with = [&](const char* text) { return line.rfind(text, 0) == 0; };
+    if (body && !motion && !starts_with("rotation") && !starts_with("end = ") && !starts_with("density_scale = "))
+      kept << line << "\n";
   }
   return kept.str();
 }
