@@ -278,7 +278,9 @@ void declare_contacts(Schema& s) {
   contact.text("rigid", "name of the rigid body");
   contact.texts("bodies", "names of the deformable bodies; all when missing").optional();
   contact.real("friction", "Coulomb coefficient mu").not_negative().by_default(0.0);
-  contact.real("shear_limit_factor", "factor on the limit sigma_y/sqrt(3) of the friction stress, at the rate of a layer that slips")
+  contact
+      .real("shear_limit_factor",
+            "factor on the limit sigma_y/sqrt(3) of the friction stress, at the rate of a layer that slips")
       .positive()
       .by_default(1.0);
   contact.real("shear_limit", "given limit of the friction stress instead of sigma_y/sqrt(3)")
