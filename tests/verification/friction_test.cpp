@@ -82,5 +82,36 @@ TEST(TurningTool, TorqueOfUniformPressureD4) {
   EXPECT_NEAR(std::abs(torque), exact, 0.01 * exact);
 }
 
+/// Acceleration of the layer under the plate, from its slip between 0.05 and 0.1 s, over what its inertia allows:
+/// friction of its shear strength above, and below what the plain momentum sum passes on between the two outermost
+/// layers, 0.8767 of it (see couette_test.cpp).
+double drag(const std::vector<std::string>& overrides) {
+  const auto run = started(verification_scene("dragged_layer"), overrides);
+  const auto slip = [&] {
+    const ContactLoad& load = run->contact()->loads()[0];
+    return run->comm().sum(load.sliding_speed) / run->comm().sum(load.surface_speed);
+  };
+  double time = 0, before = 0;
+  run_to_end(*run, [&] {
+    if (time > 0 || run->clock().time < 0.05) return;
+    time = run->clock().time;
+    before = slip();
+  });
+  const double acceleration = 1.5 * (before - slip()) / (run->clock().time - time);
+  const double layer = 0.75e-3 * 2785 * run->scene().numerics.density_scale;  // kg/m2
+  return acceleration / ((1 - 0.8767) * 10e6 / std::sqrt(3.0) / layer);
+}
+
+/// Neither the pressure nor the direction to the rows of the lattice holds the layer back: particles that ride over
+/// each other carry nothing.
+TEST(DraggedLayer, FollowsThePlateAsItsInertiaAllows) {
+  const double along = drag({}), across = drag({"rigid.0.motion.x=1.2 m/s", "rigid.0.motion.y=0.9 m/s"}),
+               pressed = drag({"rigid.0.shape.point.2=-0.06 mm"});
+  std::printf(
+      "dragged layer: %.3f of the acceleration along the rows, %.3f at 37 degrees, %.3f under 3 times the pressure\n",
+      along, across, pressed);
+  for (const double ratio : {along, across, pressed}) EXPECT_NEAR(ratio, 0.8, 0.15);
+}
+
 }  // namespace
 }  // namespace stirsph::testing
