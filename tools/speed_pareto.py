@@ -9,7 +9,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 from speed_cases import CASES
-from speed_runs import fingerprint, table
+from scene_runs import fingerprint, table
 
 SMOOTHING = {"cubic": (1.2, 1.3, 1.5), "wendland_c2": (1.5, 1.75, 2.0), "wendland_c4": (1.75, 2.0), "quintic": (1.0, 1.15)}
 QUICK = {"cubic": (1.3,), "wendland_c2": (1.5,)}

@@ -19,7 +19,7 @@ from pathlib import Path
 
 from speed_cases import CASES
 from speed_pareto import pareto
-from speed_runs import ROOT, Records, Runner, StudyError
+from scene_runs import ROOT, Records, Runner, StudyError
 from speed_time_step import time_step
 
 

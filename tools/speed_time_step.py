@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from speed_cases import BAR_SPACINGS, taylor_bar
-from speed_runs import fingerprint, table
+from scene_runs import fingerprint, table
 
 SMALL = 0.1  # Courant number of the run that the others are compared with
 SCAN = (0.2, 0.3, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 3.0)

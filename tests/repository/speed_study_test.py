@@ -13,7 +13,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(sys.argv[1]) / "tools"))
 import speed_cases  # noqa: E402  (the path comes from the command line)
 import speed_pareto  # noqa: E402
-import speed_runs  # noqa: E402
+import scene_runs  # noqa: E402
 import speed_time_step  # noqa: E402
 
 
@@ -99,7 +99,7 @@ class Memory(unittest.TestCase):
                 return {"error": 0.1}
 
             for commit in ("a", "a", "b"):
-                records = speed_runs.Records(path, commit)
+                records = scene_runs.Records(path, commit)
                 self.assertEqual(records.get({"case": "B2"}, measure)["error"], 0.1)
             self.assertEqual(len(made), 2)
             self.assertEqual(len(path.read_text(encoding="utf-8").splitlines()), 2)

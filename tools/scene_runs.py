@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Runs of the speed study: one scene with overrides becomes one record, and records are kept between calls.
+"""Runs of ordinary scenes: one scene with overrides becomes one record, and records are kept between calls.
 
-Used by tools/speed_study.py; not a program of its own.
+Used by tools/speed_study.py and tools/verify.py; not a program of its own.
 """
 
 import csv
@@ -9,8 +9,10 @@ import hashlib
 import json
 import os
 import re
+import shutil
 import subprocess
 import time
+import tomllib
 from pathlib import Path
 
 import h5py
@@ -25,10 +27,14 @@ class StudyError(Exception):
 
 
 class Run:
-    """What one run of the program left behind. `history` maps column names to arrays; it may be short after a failure."""
+    """What one run of the program left behind. `history` maps column names to arrays; it may be short after a failure,
+    and is empty when the run did not start. `message` is what the program complained of."""
 
-    def __init__(self, folder, code, wall, cpu):
-        self.folder, self.code, self.wall, self.cpu = folder, code, wall, cpu
+    def __init__(self, folder, code, wall, cpu, message=""):
+        self.folder, self.code, self.wall, self.cpu, self.message = folder, code, wall, cpu, message
+        self.log, self.history = "", {}
+        if not (folder / "history.csv").exists():
+            return
         self.log = (folder / "run.log").read_text(encoding="utf-8")
         with open(folder / "history.csv", newline="", encoding="utf-8") as file:
             lines = list(csv.reader(file))
@@ -45,6 +51,15 @@ class Run:
     def leaked(self):
         found = re.search(r"leaked particles (\d+)", self.log)
         return int(found.group(1)) if found else 0
+
+    def phases(self):
+        """Seconds of each phase of the step, mean over the ranks."""
+        return {name: float(value) for name, value in re.findall(r"^  (\w+) +([\d.]+) s mean", self.log, re.M)}
+
+    def settings(self):
+        """The input with all its defaults, as nested tables; quantities are texts in SI units."""
+        with open(self.folder / "input_as_used.toml", "rb") as file:
+            return tomllib.load(file)
 
     def snapshots(self):
         """(time [s], position [m], fields) of every snapshot."""
@@ -63,24 +78,32 @@ class Runner:
         self.version = version
         self.commit = re.search(r"commit ([^)]*)\)", version).group(1)
 
-    def run(self, scene, overrides):
-        """One run on one core. A wrong scene is an error of the study; a blow-up is a result."""
-        folder = self.folder / "run"
+    def run(self, scene, overrides, folder=None, ranks=1, accepted=(0, 3)):
+        """One run, on one core unless `ranks` says more; `scene` is a path or a file of tests/verification/scenes. An
+        exit code that is not `accepted` (None: all are) is an error of the caller; a blow-up, 3, is a result."""
+        folder = folder or self.folder / "run"
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        shutil.rmtree(folder, ignore_errors=True)
         command = [str(self.program), str(SCENES / scene), "--output", str(folder), "--quiet"]
+        if ranks > 1:
+            command = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks), *command]
         for key, value in overrides.items():
             command += ["-P", f"{key}={value}"]
+        environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+        if os.geteuid() == 0:
+            environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+        complaints = folder.with_name(folder.name + ".errors.txt")
         start = time.monotonic()
-        with open(self.folder / "errors.txt", "w", encoding="utf-8") as errors:
-            process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=errors,
-                                       env={**os.environ, "OMP_NUM_THREADS": "1"})
+        with open(complaints, "w", encoding="utf-8") as errors:
+            process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=errors, env=environment)
             # Time of this child alone, whatever else the machine does.
             _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
         wall = time.monotonic() - start
-        if process.returncode not in (0, 3):  # 3: blow-up
-            message = (self.folder / "errors.txt").read_text(encoding="utf-8")[-2000:]
-            raise StudyError(f"{' '.join(command)}\nended with exit code {process.returncode}\n{message}")
-        return Run(folder, process.returncode, wall, usage.ru_utime + usage.ru_stime)
+        message = complaints.read_text(encoding="utf-8")
+        if accepted is not None and process.returncode not in accepted:
+            raise StudyError(f"{' '.join(command)}\nended with exit code {process.returncode}\n{message[-2000:]}")
+        return Run(folder, process.returncode, wall, usage.ru_utime + usage.ru_stime, message)
 
 
 def fingerprint(scene, overrides):
