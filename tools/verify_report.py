@@ -81,7 +81,7 @@ def table_of(case, records):
         group.sort(key=lambda record: -(record["key"]["spacing_mm"] or 0))
         seen = dict.fromkeys(list(case.targets) + [q for record in group for q in record["errors"]])
         for quantity in seen:
-            values = [f"{record['key']['spacing_mm']:g} mm: " * bool(record["key"]["spacing_mm"])
+            values = [(f"{record['key']['spacing_mm']:g} mm: " if record["key"]["spacing_mm"] else "")
                       + (number(record["errors"].get(quantity, np.nan)) if record["exit_code"] == 0
                          else f"exit {record['exit_code']}") for record in group]
             target = f"{case.targets[quantity]:g}" if quantity in case.targets else ""
