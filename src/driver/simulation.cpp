@@ -124,12 +124,31 @@ void Simulation::kick(double dt) {
 void Simulation::drift(double dt) {
   const ScopedTimer timer(timers_, "integration");
   const Inertia& inertia = mechanics_->inertia();
-  if (inertia.axisymmetric) return drift_rings(dt);
-  if (!inertia.swirl) return drift_on_circles(dt);
+  if (inertia.axisymmetric) {
+    drift_rings(dt);
+  } else if (!inertia.swirl) {
+    drift_on_circles(dt);
+  } else {
+    for (int d = 0; d < particles_.layout().dim; ++d) {
+      double* x = particles_.component(field::position, d).data();
+      const double* v = particles_.component(field::velocity, d).data();
+      for (std::size_t i = 0; i < particles_.owned(); ++i) x[i] += dt * v[i];
+    }
+  }
+  bounce_off_planes();
+}
+
+/// What would pass its own mirror image in a plane of symmetry comes back.
+void Simulation::bounce_off_planes() {
   for (int d = 0; d < particles_.layout().dim; ++d) {
+    if (!scene_.domain.symmetric[d]) continue;
     double* x = particles_.component(field::position, d).data();
-    const double* v = particles_.component(field::velocity, d).data();
-    for (std::size_t i = 0; i < particles_.owned(); ++i) x[i] += dt * v[i];
+    double* v = particles_.component(field::velocity, particles_.layout().axes[d]).data();
+    for (std::size_t i = 0; i < particles_.owned(); ++i)
+      if (x[i] < scene_.domain.plane[d]) {
+        x[i] = 2 * scene_.domain.plane[d] - x[i];
+        v[i] = -v[i];
+      }
   }
 }
 

@@ -143,6 +143,7 @@ class Simulation {
   void drift(double dt);
   void drift_rings(double dt);
   void drift_on_circles(double dt);
+  void bounce_off_planes();
   void add_centrifugal(double dt);
   void move_rigids(double dt);
   void renew_neighbours();

@@ -22,7 +22,8 @@ class CandidateCells {
         deepest_(-options.margin.value_or(0.25 * spacing) + 1e-9 * spacing),
         dimensions_(options.dimensions),
         axes_(options.axes),
-        half_plane_(options.half_plane) {
+        half_plane_(options.half_plane),
+        above_(options.above) {
     const Bounds bounds = shape.bounds();
     double candidates = 1;
     for (int i = 0; i < dimensions_; ++i) {
@@ -60,6 +61,7 @@ class CandidateCells {
         if (half_plane_) point.y = 0;
         for (int i = 0; i < dimensions_; ++i) point[axes_[i]] += (static_cast<double>(cell[i]) + 0.5) * spacing_;
         if (half_plane_ && point.x <= 0) continue;
+        if (below_a_plane(point)) continue;
         if (shape_.distance(point) <= deepest_) work(point);
       }
     }
@@ -67,6 +69,11 @@ class CandidateCells {
 
  private:
   int last() const { return dimensions_ - 1; }
+  bool below_a_plane(const Vec3& point) const {
+    for (int d = 0; d < 3; ++d)
+      if (above_[d] && point[d] <= *above_[d]) return true;
+    return false;
+  }
 
   const ShapeFunction& shape_;
   double spacing_;
@@ -75,6 +82,7 @@ class CandidateCells {
   int dimensions_;
   std::array<int, 3> axes_;
   bool half_plane_;
+  std::array<std::optional<double>, 3> above_;
   std::array<std::int64_t, 3> low_{}, high_{};  ///< candidate cells, the upper end excluded
 };
 

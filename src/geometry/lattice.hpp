@@ -14,7 +14,8 @@ struct LatticeOptions {
   int dimensions = 3;
   std::array<int, 3> axes{0, 1, 2};  ///< directions of the lattice; in two dimensions the third coordinate is origin's
   bool half_plane = false;           ///< only points with y = 0, x > 0, whatever the y of the origin
-  Vec3 origin{};                     ///< a corner of a lattice cell [m]
+  std::array<std::optional<double>, 3> above{};  ///< m, of x, y, z: only points beyond these planes
+  Vec3 origin{};                                 ///< a corner of a lattice cell [m]
   std::optional<double>
       margin{};  ///< a point is taken at least this far inside [m]; a quarter of the spacing by default
 };

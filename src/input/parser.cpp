@@ -346,7 +346,7 @@ class Checker {
       name.text = text;
       name.file = raw.file;
       name.line = raw.line;
-      raw.members.emplace_back(entry.selector, name);
+      raw.members.push_back({entry.selector, name});
     } else if (textual) {
       raw.kind = RawValue::Kind::String;
       raw.text = text;

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <sstream>
 #include <toml.hpp>
+#include <utility>
 
 #include "base/error.hpp"
 #include "input/wording.hpp"
@@ -40,10 +41,10 @@ RawValue converted(const toml::value& value, const std::string& file, int line_o
     case toml::value_t::table:
       raw.kind = RawValue::Kind::Table;
       for (const auto& [key, member] : value.as_table())
-        raw.members.emplace_back(key, converted(member, file, raw.line));
+        raw.members.push_back({key, converted(member, file, raw.line)});
       // toml11 keeps tables unordered; messages and the first error must not depend on a hash.
       std::sort(raw.members.begin(), raw.members.end(), [](const auto& a, const auto& b) {
-        return std::pair(a.second.line, a.first) < std::pair(b.second.line, b.first);
+        return std::pair(a.value.line, a.key) < std::pair(b.value.line, b.key);
       });
       break;
     default: {
@@ -180,7 +181,7 @@ RawValue read_value(const std::string& text, const std::string& file) {
     v.file = file;
     v.line = 0;
     for (auto& element : v.array) self(self, element);
-    for (auto& member : v.members) self(self, member.second);
+    for (auto& member : v.members) self(self, member.value);
   };
   relocate(relocate, value);
   return value;
@@ -210,8 +211,8 @@ void apply_override(RawValue& root, const std::string& assignment) {
       if (!next) {
         RawValue created;
         created.file = file;
-        at->members.emplace_back(part, created);
-        next = &at->members.back().second;
+        at->members.push_back({part, created});
+        next = &at->members.back().value;
       }
       at = next;
     } else {

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace stirsph::input {
@@ -17,9 +16,10 @@ struct RawValue {
   bool boolean = false;
   std::int64_t integer = 0;
   double real = 0;
+  struct Member;                ///< a key and its value
   std::string text;             ///< String; Date as written; of the command line, any scalar as written
   std::vector<RawValue> array;  ///< Array
-  std::vector<std::pair<std::string, RawValue>> members;  ///< Table, in the order of the file
+  std::vector<Member> members;  ///< Table, in the order of the file
   std::string file;
   int line = 0;  ///< 0: not from a file (command line, default)
 
@@ -30,6 +30,11 @@ struct RawValue {
   std::string where() const;           ///< "file:line", or "file" without a line
   std::string shown() const;           ///< the value as a message shows it: quoted strings, [..], {..} shortened
   std::string_view kind_name() const;  ///< "a table", "an integer", ...
+};
+
+struct RawValue::Member {
+  std::string key;
+  RawValue value;
 };
 
 /// The tree of a TOML text; throws InputError with file and line when the syntax is wrong.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <tuple>
 
 #include "parallel/cell_table.hpp"
@@ -27,17 +28,29 @@ std::vector<Destination> destinations_from(const CellTable& cells, std::int64_t 
   return result;
 }
 
-/// Whether half a turn about the axis z changes the sign of a component, in the frame r theta z.
-bool changes_sign(Shape shape, int component) {
+/// Bit c: the velocity component c of this image has another sign.
+int reversed_components(const Image& image, const Domain& domain, const SpaceLayout& layout) {
+  int result = 0;
+  for (int d = 0; d < domain.dim; ++d)
+    if (image.mirrored >> d & 1)
+      result ^= domain.axis && d == 0 ? 0b011 : 1 << layout.axes[d];  // half a turn: r, theta
+  return result;
+}
+
+/// Bits of the velocity components whose signs multiply that of a field's component: one for a vector, two for the
+/// off-diagonal component of a tensor.
+int signs_of(Shape shape, int component, const SpaceLayout& layout) {
   switch (shape) {
     case Shape::Velocity:
-      return component != 2;
-    case Shape::SymmetricTensor:
-      return component >= 4;  // rz and theta z
-    case Shape::Matrix:
-      return (component / 2 == 2) != (component % 2 == 1);  // rows r theta z, columns r z
+      return 1 << component;
+    case Shape::SymmetricTensor: {
+      constexpr std::array<int, 6> signs{0, 0, 0, 0b011, 0b101, 0b110};  // xx yy zz xy xz yz
+      return signs[component];
+    }
+    case Shape::Matrix:  // rows: velocity components, columns: those of a position
+      return (1 << component / layout.dim) ^ (1 << layout.axes[component % layout.dim]);
     default:
-      return false;
+      return 0;
   }
 }
 
@@ -59,28 +72,33 @@ std::size_t width_of(const std::vector<const Field*>& fields) {
 }  // namespace
 
 std::map<int, HaloCopies> plan_halo(const ParticleSet& particles, const CellTable& cells, double reach, int own_rank) {
-  std::array<KeyNumbers, 2> numbers;
-  std::array<std::vector<std::vector<Destination>>, 2> destinations;  // per number
+  const Domain& domain = cells.domain();
+  constexpr int subsets = 8;  // of the directions in which an image may be mirrored
+  std::array<KeyNumbers, subsets> numbers;
+  std::array<std::vector<std::vector<Destination>>, subsets> destinations;  // per number
   std::map<int, HaloCopies> plan;
   std::array<const double*, 3> position{};
-  for (int d = 0; d < cells.domain().dim; ++d) position[d] = particles.component(field::position, d).data();
+  for (int d = 0; d < domain.dim; ++d) position[d] = particles.component(field::position, d).data();
   std::vector<std::pair<int, Image>> sent_to;
   for (std::size_t i = 0; i < particles.owned(); ++i) {
-    Vec3 x;
-    for (int d = 0; d < cells.domain().dim; ++d) x[d] = position[d][i];
+    int near = 0;  // directions in which the particle has an image within reach
+    for (int d = 0; d < domain.dim; ++d)
+      if (domain.mirrors(d) && position[d][i] - domain.plane[d] <= reach) near |= 1 << d;
     sent_to.clear();
-    for (const bool turned : {false, true}) {
-      if (turned) {
-        if (!cells.domain().axis || x[0] > reach) break;
-        x[0] = -x[0];
-      }
+    for (int mirrored = 0; mirrored < subsets; ++mirrored) {
+      if ((mirrored & near) != mirrored) continue;
+      Image image{{}, mirrored};
+      for (int d = 0; d < domain.dim; ++d)
+        if (mirrored >> d & 1) image.shift[d] = 2 * domain.plane[d];
+      Vec3 x;
+      for (int d = 0; d < domain.dim; ++d) x[d] = image.coordinate(position[d][i], d);
       const std::int64_t key = cells.key_of(x);
-      const std::size_t number = numbers[turned].number(key);
-      if (number == destinations[turned].size())
-        destinations[turned].push_back(destinations_from(cells, key, own_rank, turned));
-      for (const Destination& to : destinations[turned][number]) {
+      const std::size_t number = numbers[mirrored].number(key);
+      if (number == destinations[mirrored].size())
+        destinations[mirrored].push_back(destinations_from(cells, key, own_rank, mirrored != 0));
+      for (const Destination& to : destinations[mirrored][number]) {
         if (cells.distance_to_cell(x, to.cell) > reach) continue;
-        const std::pair<int, Image> target{to.rank, {to.shift, turned}};
+        const std::pair<int, Image> target{to.rank, {image.shift + to.shift, mirrored}};
         if (std::find(sent_to.begin(), sent_to.end(), target) != sent_to.end()) continue;
         sent_to.push_back(target);
         HaloCopies& copies = plan[to.rank];
@@ -114,6 +132,10 @@ void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double 
     route.rank = rank;
     route.sent = std::move(plan[rank].sent);
     if (moved) route.images = std::move(plan[rank].images);
+    const Domain& domain = cells.domain();
+    if (domain.axis || domain.any_symmetric())
+      for (const Image& image : route.images)
+        route.reversed.push_back(reversed_components(image, domain, particles.layout()));
     route.first_received = particles.owned() + received_;
     route.received = receive_counts[rank];
     received_ += route.received;
@@ -125,7 +147,7 @@ void HaloExchange::build(ParticleSet& particles, const CellTable& cells, double 
   for (const auto& field : particles.fields())
     if (field->info->halo != Halo::None) all.push_back(field.get());
   Channel once(comm_, routes_, width_of(all), first_tag);
-  once.start(routes_, all);
+  once.start(routes_, all, particles.layout());
   once.finish(particles, routes_, all);
 }
 
@@ -151,7 +173,8 @@ HaloExchange::Channel::~Channel() {
   for (MPI_Request& request : requests_) MPI_Request_free(&request);
 }
 
-void HaloExchange::Channel::start(const std::vector<Route>& routes, const std::vector<const Field*>& fields) {
+void HaloExchange::Channel::start(const std::vector<Route>& routes, const std::vector<const Field*>& fields,
+                                  const SpaceLayout& layout) {
   for (std::size_t k = 0; k < routes.size(); ++k) {
     const Route& route = routes[k];
     double* write = (route.rank == own_rank_ ? inboxes_ : outboxes_)[k].data();
@@ -163,9 +186,11 @@ void HaloExchange::Channel::start(const std::vector<Route>& routes, const std::v
         if (is_position)
           for (std::size_t s = 0; s < route.sent.size(); ++s)
             *write++ = route.images[s].coordinate(values[route.sent[s]], component);
-        else if (!route.images.empty() && changes_sign(field->info->shape, component))
-          for (std::size_t s = 0; s < route.sent.size(); ++s)
-            *write++ = route.images[s].turned ? -values[route.sent[s]] : values[route.sent[s]];
+        else if (const int signs = signs_of(field->info->shape, component, layout); signs && !route.reversed.empty())
+          for (std::size_t s = 0; s < route.sent.size(); ++s) {
+            const double value = values[route.sent[s]];
+            *write++ = std::popcount(static_cast<unsigned>(route.reversed[s] & signs)) % 2 ? -value : value;
+          }
         else
           for (const std::int32_t i : route.sent) *write++ = values[i];
       }
@@ -206,7 +231,7 @@ HaloExchange::Channel& HaloExchange::channel(Halo role, std::size_t width) const
 void HaloExchange::start(const ParticleSet& particles, Halo role) const {
   if (routes_.empty()) return;
   const std::vector<const Field*> fields = fields_of(particles, role);
-  channel(role, width_of(fields)).start(routes_, fields);
+  channel(role, width_of(fields)).start(routes_, fields, particles.layout());
 }
 
 void HaloExchange::finish(ParticleSet& particles, Halo role) const {

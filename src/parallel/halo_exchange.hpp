@@ -12,14 +12,14 @@ namespace stirsph {
 
 class CellTable;
 
-/// How a copy looks to those who need it: beyond the axis of symmetry (then turned by half a turn about it), or beyond
-/// a periodic face.
+/// How a copy looks to those who need it: beyond planes of symmetry or the axis of symmetry (then turned by half a turn
+/// about it), or beyond a periodic face.
 struct Image {
-  Vec3 shift;           ///< m, by coordinates
-  bool turned = false;  ///< before the shift
+  Vec3 shift;        ///< m, by coordinates
+  int mirrored = 0;  ///< bit d: coordinate d changes its sign before the shift
   bool operator==(const Image&) const = default;
   /// Coordinate d of the image of a particle at x.
-  double coordinate(double x, int d) const { return (turned && d == 0 ? -x : x) + shift[d]; }
+  double coordinate(double x, int d) const { return (mirrored >> d & 1 ? -x : x) + shift[d]; }
 };
 
 /// What one rank sends to another, or to itself as images.
@@ -59,6 +59,7 @@ class HaloExchange {
     int rank;
     std::vector<std::int32_t> sent;  ///< local indices of owned particles
     std::vector<Image> images;       ///< of each sent copy; empty when none is moved
+    std::vector<int> reversed;       ///< per image, bit c: velocity component c changes its sign; empty when none does
     std::size_t first_received = 0;  ///< local index of the first copy that comes back from that rank
     std::size_t received = 0;
   };
@@ -71,7 +72,7 @@ class HaloExchange {
     Channel(const Channel&) = delete;
     Channel& operator=(const Channel&) = delete;
 
-    void start(const std::vector<Route>& routes, const std::vector<const Field*>& fields);
+    void start(const std::vector<Route>& routes, const std::vector<const Field*>& fields, const SpaceLayout& layout);
     void finish(ParticleSet& particles, const std::vector<Route>& routes, const std::vector<const Field*>& fields);
     std::size_t width() const { return width_; }
 

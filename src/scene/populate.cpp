@@ -17,6 +17,8 @@ LatticeSlice fill(const Scene& scene, const BodyScene& body, int rank, int size)
   options.axes = layout.axes;
   options.half_plane = layout.axisymmetric();
   options.origin = body.lattice_origin;
+  for (int d = 0; d < layout.dim; ++d)
+    if (scene.domain.symmetric[d]) options.above[layout.axes[d]] = scene.domain.plane[d];
   options.margin = body.fill_margin * scene.numerics.spacing;
   try {
     return fill_with_lattice(*body.shape, scene.numerics.spacing, options, rank, size);

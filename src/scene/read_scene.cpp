@@ -109,16 +109,32 @@ void read_domain(const Parameters& root, Scene& scene) {
   const SpaceLayout layout = layout_of(scene.space);
   scene.domain.dim = layout.dim;
   scene.domain.axis = layout.axisymmetric();
-  const std::vector<std::string> periodic = d.texts("periodic");
-  for (const std::string& name : periodic) {
-    const int axis = name == "x" ? 0 : name == "y" ? 1 : name == "z" ? 2 : -1;
+  const auto component_of = [&](int axis) {
     int component = 0;
     while (component < layout.dim && layout.axes[component] != axis) ++component;
+    return component;  // dim: no direction of this space
+  };
+  const Parameters symmetry = d.table("symmetry");
+  for (const int axis : {0, 1, 2}) {
+    const std::string name(1, "xyz"[axis]);
+    if (!symmetry.has(name)) continue;
+    const int component = component_of(axis);
+    if (component == layout.dim || (layout.axisymmetric() && component == 0))
+      symmetry.fail(name, "no plane across \"" + name + "\" can be a mirror in this space. Allowed: " +
+                              (layout.axisymmetric() ? "\"z\"." : "\"x\", \"y\"."));
+    scene.domain.symmetric[component] = true;
+    scene.domain.plane[component] = symmetry.real(name);
+  }
+  const std::vector<std::string> periodic = d.texts("periodic");
+  for (const std::string& name : periodic) {
+    const int component = component_of(name == "x" ? 0 : name == "y" ? 1 : name == "z" ? 2 : -1);
     if (layout.axisymmetric() && component != 1)
       d.fail("periodic", "\"" + name + "\" cannot be periodic in an axisymmetric space. Allowed: \"z\".");
     if (component == layout.dim)
       d.fail("periodic", "\"" + name + "\" is no direction of this space. Allowed: \"x\", \"y\"" +
                              (scene.domain.dim == 3 ? ", \"z\"." : "."));
+    if (scene.domain.symmetric[component])
+      d.fail("periodic", "\"" + name + "\" is periodic and has a plane of symmetry. Take one of them.");
     scene.domain.periodic[component] = true;
   }
   if (periodic.empty()) return;
@@ -131,6 +147,25 @@ void read_domain(const Parameters& root, Scene& scene) {
   for (int axis = 0; axis < scene.domain.dim; ++axis)
     if (scene.domain.periodic[axis] && scene.domain.length(axis) <= 0)
       d.fail("high", "the periodic box must have a positive length in each periodic direction.");
+}
+
+/// What turns about another axis than the normal of a plane of symmetry has no mirror image in it.
+void check_planes_of_symmetry(const Scene& scene) {
+  if (!scene.domain.any_symmetric()) return;
+  const SpaceLayout layout = layout_of(scene.space);
+  const auto check = [&](const std::string& place, const Vec3& axis) {
+    for (int d = 0; d < layout.dim; ++d)
+      if (scene.domain.symmetric[d] && std::abs(std::abs(axis[layout.axes[d]]) - 1) > 1e-9)
+        throw InputError(place + ": turns across the plane of symmetry domain.symmetry." + "xyz"[layout.axes[d]] +
+                         ". Allowed: rotation about the normal of the plane; otherwise model the whole body");
+  };
+  for (const BodyScene& body : scene.bodies)
+    if (body.rotation) check(scene.path + " body \"" + body.name + "\".rotation", body.rotation->axis);
+  for (const RigidScene& rigid : scene.rigids)
+    if (rigid.motion.rotation) check(scene.path + " rigid \"" + rigid.name + "\".rotation", rigid.motion.axis);
+  for (const GripScene& grip : scene.grips)
+    if (grip.rotation) check(scene.path + " grip \"" + grip.name + "\".rotation", grip.rotation->axis);
+  if (!scene.numerics.swirl_inertia && !layout.axisymmetric()) check(scene.path + " numerics.inertia", {0, 0, 1});
 }
 
 void read_bodies(const Parameters& root, Scene& scene) {
@@ -518,6 +553,7 @@ Scene make_scene(const Parameters& root, const std::string& path) {
   scene.body_force = vector_expression(root, "body_force");
   read_heat_and_output(root, scene);
   check_axial_symmetry(scene);
+  check_planes_of_symmetry(scene);
   if (scene.target_step > 0) {
     // dt = cfl h / (c/sqrt(s) + |v|): the tool's speed is not known yet, so the wave alone is scaled.
     double fastest = 0;

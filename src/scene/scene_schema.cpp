@@ -481,10 +481,14 @@ const input::Schema& scene_schema() {
     s.boolean("mechanics", "false: only heat is computed, particles stay where they are").by_default("true");
     declare_numerics(s);
     declare_time(s);
-    Schema& domain = s.table("domain", "periodic directions");
+    Schema& domain = s.table("domain", "periodic directions and planes of symmetry");
     domain.texts("periodic", "directions that are periodic: \"x\", \"y\", \"z\"").by_default("[]");
     domain.reals("low", "lower corner of the periodic box").unit("m").count(2, 3).optional();
     domain.reals("high", "upper corner of the periodic box").unit("m").count(2, 3).optional();
+    Schema& symmetry =
+        domain.table("symmetry", "planes of symmetry: the metal lies above them, its mirror image below");
+    for (const char* axis : {"x", "y", "z"})
+      symmetry.real(axis, std::string("place of the plane across ") + axis).unit("m").optional();
     declare_bodies(s);
     declare_rigids(s);
     declare_contacts(s);
