@@ -87,9 +87,9 @@ TEST(PlanesOfSymmetry, QuarterInPlaneStrain) {
                        "body.0.shape.high=[\"3 mm\", \"3 mm\"]",
                        "body.0.velocity={x = \"60*sin(600*x)\", y = \"-70*sin(500*y)\"}",
                        "rigid.0.shape={type = \"half_space\", point = [\"0 mm\", \"3 mm\"], normal = [0, -1]}",
-                       "rigid.0.motion={type = \"velocity\", y = \"-30 m/s\"}",
+                       "rigid.0.motion={type = \"velocity\", y = \"-90 m/s\"}",
                        "rigid.1.shape={type = \"half_space\", point = [\"0 mm\", \"-3 mm\"], normal = [0, 1]}",
-                       "rigid.1.motion={type = \"velocity\", y = \"30 m/s\"}"};
+                       "rigid.1.motion={type = \"velocity\", y = \"90 m/s\"}"};
   expect_part_of_the_whole(flat, {"domain.symmetry.x=0 mm", "domain.symmetry.y=0 mm"}, 1);
 }
 
