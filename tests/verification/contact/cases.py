@@ -51,6 +51,28 @@ def shaken_box(run):
             "energy residual": run.history["energy.residual"][-1]}
 
 
+def sliding_block(run):
+    """D3: the block rings, so the stop is where the straight line through mean speeds of 9 and 0.5 m/s is zero; the sole tells
+    whether it creeps afterwards."""
+    h = run.history
+    early, late = np.flatnonzero(h["v"] < 9)[0], np.flatnonzero(h["v"] > 0.5)[-1]
+    slope = (h["v"][late] - h["v"][early]) / (h["time"][late] - h["time"][early])
+    stop = h["time"][late] - h["v"][late] / slope
+    mass = 2785 * 20e-3 * 20e-3 * 5e-3
+    return {"stop time": stop / 0.25641e-3 - 1, "distance": (h["x"][-1] - h["x"][0]) / 1.28205e-3 - 1,
+            "friction work": h["energy.friction"][-1] / (0.5 * mass * 100) - 1,
+            "heat": (h["T_mean"][-1] - h["T_mean"][0]) / (0.9 * 50 / 875) - 1, "creep, m/s": creep(run, 0.3e-3),
+            "backward speed, m/s": max(0.0, -h["v"][h["time"] > 0.27e-3].min()),
+            "energy residual": h["energy.residual"][-1]}
+
+
+def creep(run, after):
+    """Mean speed of the sole from a time on, m/s."""
+    time, sole = run.history["time"], run.history["x_sole"]
+    k = np.searchsorted(time, after)
+    return (sole[-1] - sole[k]) / (time[-1] - time[k])
+
+
 CASES = [
     Case("D1", "patch test between flat tools", "T0", "d1_patch.toml", "E e, uniform [E]", patch,
          {"force": 0.01, "interior stress": 0.01, "scatter of the contact pressure": 0.05, "penetration over dx": 0.05},
@@ -64,4 +86,19 @@ CASES = [
     Case("D7", "block in a shaken box with sharp corners, plate sweeping past", "T1", "d7_shaken_box.toml",
          "no particle leaves [E]", shaken_box, {"swallowed": 0, "outside at the end": 0, "leaked": 0, "missing": 0}, CATALOGUE,
          spacings=(1.0, 0.5)),
+    Case("D3", "sliding block is stopped by friction and stays", "T1", "d3_sliding_block.toml",
+         "stops at 0.25641 ms after 1.28205 mm, heat eta m v^2/2, no creep [E]", sliding_block,
+         {"stop time": 0.005, "distance": 0.005, "friction work": 0.005, "heat": 0.005, "creep, m/s": 1e-6,
+          "backward speed, m/s": 0.01},
+         CATALOGUE + "; backward speed: elastic ringing only [T]", spacings=(5 / 3, 1.0)),
+    Case("D3s", "block pushed with 0.9 mu N", "T1", "d3_sliding_block.toml", "sticks [E]",
+         lambda run: {"creep, m/s": creep(run, 0.25e-3), "friction work over mu N dx": run.history["energy.friction"][-1]
+                      / (0.39 * 2785 * 2e-6 * 1e5 * spacing_of(run))},
+         {"creep, m/s": 1e-6}, CATALOGUE, spacings=(5 / 3, 1.0),
+         overrides=lambda spacing: {"body.0.velocity.x": '"0 m/s"', "body_force.z": '"-1e5*min(1,t/1e-4)"',
+                                    "body_force.x": '"0.351e5*max(0,min(1,(t-1e-4)/1e-4))"', "time.end": '"0.35 ms"'}),
+    Program("D4r", "Coulomb torque of a flat tool on an elastic plug in its die", "T0", "verification/friction_test",
+            "*TurningTool*", "2/3 mu F R [E]", "1 % at 22 rings over the radius"),
+    Program("D4d", "layer dragged along by a plate that slips", "T0", "verification/friction_test", "*DraggedLayer*",
+            "its inertia and the shear strength [E]", "0.8 of the acceleration, +-0.15"),
 ]

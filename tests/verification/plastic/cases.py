@@ -126,6 +126,15 @@ def aluminium(spacing):
 TAYLOR = {"length": 0.01, "foot radius": 0.04}
 
 CASES = [
+    Program("C1", "large simple shear of a stress point", "T0", "mechanics/stress_point_test", "SimpleShear*",
+            "elastic Jaumann G sin g, G(1 - cos g); perfectly plastic k sqrt(1 - (k/G)^2), k^2/G [E]",
+            "1e-6 at dg = 1e-4, second order in dg"),
+    Program("C1b", "large simple shear of a block", "T0", "verification/plastic_test", "SimpleShearBlock*:TurnedBlock*",
+            "as C1 [E]; heat is eta times the plastic work", "interior 1 %; a turned block has no stress"),
+    Program("C2", "uniaxial compression with adiabatic heating", "T0", "mechanics/stress_point_test", "Compression*",
+            "AL exact [E], copper by an ordinary differential equation [N]", "1e-4 at 1e4 steps a strain, first order"),
+    Program("C3", "adiabatic simple shear at 1000/s", "T0", "mechanics/stress_point_test", "AdiabaticShear*",
+            "exact without the elastic part [E]; without heating 167.59 MPa", "0.5 % beyond g = 1"),
     Case("C4", "Taylor bar, copper", "T1", "c4_taylor_bar.toml",
          "length 21.44, foot radius 7.4 mm: three meshes of an axisymmetric finite element program, extrapolated [N]",
          taylor_rings(21.44e-3, 7.4e-3), TAYLOR, CATALOGUE, spacings=(0.8, 0.4, 0.2), target_spacing=0.4, overrides=rings,
@@ -137,7 +146,7 @@ CASES = [
          "length 23.57, foot radius 8.24 mm, 563 K: the finest of three meshes of an axisymmetric finite element program [N]",
          taylor_rings(23.57e-3, 8.24e-3, 563), TAYLOR, CATALOGUE, spacings=(1.0, 0.5, 0.25), target_spacing=0.5,
          overrides=aluminium, diagnosis="As C4: artificial viscosity."),
-    Case("C4 3D", "Taylor bar, copper, in three dimensions", "T1", "c4_taylor_bar.toml", "as C4 [N]", speed_cases.taylor_bar,
+    Case("C4c", "Taylor bar, copper, in three dimensions", "T1", "c4_taylor_bar.toml", "as C4 [N]", speed_cases.taylor_bar,
          TAYLOR, CATALOGUE, spacings=speed_cases.BAR_SPACINGS, overrides=speed_cases.CASES["C4"].overrides,
          diagnosis="The rim of the foot tears and its pieces fly on, so the radius grows on refinement; without correction it passes "
          "through zero (src/mechanics/README.md, what is worth its time). Rings cannot tear in this way (C4)."),
@@ -151,7 +160,7 @@ CASES = [
          "force is -3.0, -0.8, +0.3 % off instead of +3.4, +2.1, +1.6 % (0.625 to 0.156 mm). (3) First order: in the outermost "
          "layer the plain sum is weak and its stress 30 % higher. Other corrections at 0.625 and 0.3125 mm, force in the elastic "
          "range: none -9.5 and -3.7 %, full +12 and +5.6 %; all first order."),
-    Case("C5 square", "closed-die compression of a square billet in three dimensions", "T1", "c5_square_die.toml",
+    Case("C5s", "closed-die compression of a square billet in three dimensions", "T1", "c5_square_die.toml",
          "as C5 [E]", closed_die, {name: target for name, target in DIE_TARGETS.items() if not name.startswith("wall at")},
          CATALOGUE, spacings=(1.0, 0.5), overrides=full_travel,
          diagnosis="As C5. The pressure scatters because edges and corners of the billet are weaker than its faces: first order."),
@@ -163,7 +172,7 @@ CASES = [
          "meets the plates: the force is too small and the ends are wider than the middle (10.96 against 10.75 mm at 0.5 mm). With "
          "full correction that layer is too strong instead: +5.5 and +2.7 % at 0.5 and 0.25 mm (none: -5.3 % at 0.5 mm), barrelling "
          "2.1 and 1.3 %. First order in all of them; by extrapolation 1 % needs 0.12 mm."),
-    Case("C7 sticking", "compression between sticking platens, plane strain", "T1", "c7_sticking_platens.toml",
+    Case("C7s", "compression between sticking platens, plane strain", "T1", "c7_sticking_platens.toml",
          "Prandtl's cycloid field 2k(3/4 + w/4h) [M]; slab estimate 14 % higher", sticking_platens, {"pressure": 0.05},
          "catalogue [T]", spacings=(1.0, 0.5)),
 ]
