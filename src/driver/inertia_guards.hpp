@@ -50,12 +50,9 @@ class InertiaGuards {
   static constexpr double onset = 0.02;
   bool flows() const { return flow_share() > onset; }
   /// There were enough looks for an average.
-  bool settled() const { return looks_ >= enough; }
-  /// Looks whose average it is. With the default guard_steps some ten turns of the tool: a chip that breaks off sets
-  /// the guards of one turn, not of the flow.
-  static constexpr int memory = 200;
-  /// Looks from which on there is an average.
-  static constexpr int enough = 20;
+  bool settled() const { return looks_ >= memory; }
+  /// Looks whose average it is.
+  static constexpr int memory = 20;
 
   /// What to change when the guard is above its limit.
   static std::string remedy(Guard guard);

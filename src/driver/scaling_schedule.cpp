@@ -7,7 +7,7 @@ namespace {
 constexpr double factor = 2;
 constexpr double held = 0.01, lost = 0.03;  // error of a controlled force
 // Every lowering makes the next raise wait twice as long, so that a process at the edge does not go to and fro.
-constexpr double longest_hold = 1000 * InertiaGuards::enough;
+constexpr double longest_hold = 1000 * InertiaGuards::memory;
 }  // namespace
 
 ScalingSchedule::ScalingSchedule(const Scene& scene)

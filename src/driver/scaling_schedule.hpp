@@ -34,7 +34,7 @@ class ScalingSchedule {
   double reference_, most_, tolerance_;
   double scale_, largest_so_far_;
   double quiet_ = 0;                     ///< looks since the last change
-  double hold_ = InertiaGuards::enough;  ///< looks that must pass before the scaling is raised
+  double hold_ = InertiaGuards::memory;  ///< looks that must pass before the scaling is raised
   double changes_ = 0;
 };
 

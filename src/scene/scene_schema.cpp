@@ -463,7 +463,7 @@ void declare_heat_and_output(Schema& s) {
   limits
       .choice(
           "guard_action", {"warn", "stop"},
-          "when the average of a guard over 200 looks exceeds its limit: one warning, or the end of the run with the "
+          "when the average of a guard over 20 looks exceeds its limit: one warning, or the end of the run with the "
           "state saved")
       .by_default("warn");
   limits.integer("guard_steps", "steps between looks at the guards; 0: off").range(0, 1000000).by_default("20");
