@@ -52,10 +52,16 @@ def plain(value):
     return float(value) if value is not None else None
 
 
+def complaint(run):
+    """What the program complained of, without the banner that mpirun puts after it."""
+    errors = [line for line in run.message.splitlines() if line.startswith("error: ")]
+    return "\n".join(errors)[:600] or run.message[-600:]
+
+
 def describe(run):
     """What rule 0 of the catalogue wants to know of a run beside its errors."""
     if not run.history:
-        return {"message": run.message[-500:]}
+        return {"message": complaint(run)}
     settings = run.settings()
     numerics, steps = settings["numerics"], run.history["step"]
     found = {"dx_m": float(numerics["spacing"].split()[0]), "h_over_dx": numerics["h_over_dx"], "kernel": numerics["kernel"],
@@ -107,7 +113,7 @@ class Verification:
                 except (KeyError, ValueError, IndexError, ZeroDivisionError) as failure:
                     errors = {f"measure failed: {type(failure).__name__}: {failure}": float("nan")}
             return {"exit_code": run.code, "wall_s": round(run.wall, 2), "cpu_s": round(run.cpu, 2), "errors": errors,
-                    "message": run.message[-600:], **describe(run)}
+                    "message": complaint(run), **describe(run)}
 
         with self.lock:
             known = self.records.known.get(Records.name_of(key, self.runner.commit))
