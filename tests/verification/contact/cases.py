@@ -73,6 +73,60 @@ def creep(run, after):
     return (sole[-1] - sole[k]) / (time[-1] - time[k])
 
 
+def stiffness(run):
+    """D6 on the closed die of C5: deepest particle when the punch presses with the flow stress of the cold metal, 265 MPa, the
+    most that tools of an extrusion in the hot press with; and the time step."""
+    h = run.history
+    pressure = h["punch.force_z"] / (np.pi * 12.5e-3**2)
+    rising = slice(0, int(np.argmax(pressure)) + 1)
+    return {"penetration over dx at 265 MPa": np.interp(265e6, pressure[rising], h["penetration_over_dx"][rising]),
+            "penetration over dx at 886 MPa": np.interp(886e6, pressure[rising], h["penetration_over_dx"][rising]),
+            "energy residual": h["energy.residual"][-1], "time step, us": 1e6 * h["dt"][-1]}
+
+
+def springs(penalty, soft):
+    return {f"contact.{k}.{name}": value for k in range(3)
+            for name, value in (("penalty_scale", penalty), ("soft_scale", soft))}
+
+
+def hertz(run):
+    """D2: the pressure on a particle is penalty_scale E depth/dx, which the run's force must be the sum of. Pressure in the middle
+    (mean over a quarter of the contact), half width and shape are compared with Hertz's for the force of the run; the force of
+    the sphere with that of its approach less the depth of its middle."""
+    dx, history, radius, modulus, reduced = spacing_of(run), run.history, 10e-3, 72.4e9, 81.248e9
+    sphere = run.settings()["space"] == "axisymmetric"
+    axis, height = ("z", 20e-3) if sphere else ("y", 8e-3)
+    force = history[f"tool.force_{axis}"][-1] * (1 if sphere else 2)
+    travel = -history[f"tool.displacement_{axis}"][-1]
+    *_, (_, position, _) = run.snapshots()
+    x, y = position[:, 0], position[:, 2 if sphere else 1]
+    depth = dx / 2 - (np.hypot(x, y - (height + radius - travel)) - radius)
+    touching = depth > 0
+    x, pressure, depth = x[touching], float(run.settings()["contact"][0]["penalty_scale"]) * modulus * depth[touching] / dx, depth[touching]
+    if sphere:
+        half = np.cbrt(0.75 * force * radius / reduced)
+        highest = 1.5 * force / (np.pi * half**2)
+        total = (pressure * 2 * np.pi * x * dx).sum()
+    else:
+        half = np.sqrt(4 * force * radius / (np.pi * reduced))
+        highest = 2 * force / (np.pi * half)
+        total = 2 * (pressure * dx).sum()
+    exact = highest * np.sqrt(np.maximum(0, 1 - (x / half) ** 2))
+    weight = x if sphere else np.ones_like(x)
+    middle = x < half / 4
+    found = {"pressure in the middle": (weight * pressure)[middle].sum() / (weight * exact)[middle].sum() - 1,
+             "half width over dx": (x.max() + dx / 2 - half) / dx,
+             "half width by the second moment, over dx":
+             (np.sqrt((2.5 if sphere else 4) * (weight * pressure * x**2).sum() / (weight * pressure).sum()) - half) / dx,
+             "shape of the pressure": np.sqrt((weight * (pressure - exact) ** 2).sum() / (weight * exact**2).sum()),
+             "sum of the pressures": total / force - 1, "half width, spacings": half / dx,
+             "highest pressure, MPa": highest / 1e6}
+    if sphere:
+        approach = travel - depth[np.argmin(x)]
+        found["force"] = force / (4 / 3 * reduced * np.sqrt(radius) * approach**1.5) - 1
+    return found
+
+
 CASES = [
     Case("D1", "patch test between flat tools", "T0", "d1_patch.toml", "E e, uniform [E]", patch,
          {"force": 0.01, "interior stress": 0.01, "scatter of the contact pressure": 0.05, "penetration over dx": 0.05},
@@ -101,4 +155,22 @@ CASES = [
             "*TurningTool*", "2/3 mu F R [E]", "1 % at 22 rings over the radius"),
     Program("D4d", "layer dragged along by a plate that slips", "T0", "verification/friction_test", "*DraggedLayer*",
             "its inertia and the shear strength [E]", "0.8 of the acceleration, +-0.15"),
+    Case("D6", "penetration at the default stiffness of contact", "T0", "../plastic/c5_closed_die.toml",
+         "0.05 spacings [T]", stiffness, {"penetration over dx at 265 MPa": 0.05, "energy residual": 1e-3},
+         "catalogue [T], read as: at the flow stress of cold AL", spacings=(1.25, 0.625),
+         variants={"penalty 1": springs(1, 0.1)},
+         must_fail={"penalty 0.02, no soft constraint": springs(0.02, 0),
+                    "penalty 10, beyond what the step can bear": springs(10, 0.1)}),
+    Case("D2", "Hertz: cylinder on a block, plane strain", "T1", "d2_hertz_cylinder.toml",
+         "p0 = 2 F/(pi a), a^2 = 4 F R/(pi E*) for the force of the run [E]", hertz,
+         {"pressure in the middle": 0.06, "half width over dx": 1}, CATALOGUE + ", at a/dx = 10", spacings=(0.16, 0.08),
+         diagnosis="The springs of contact widen it: twice as stiff (penalty_scale 2) the half width is +0.33 spacings and the pressure "
+         "-0.9 %; by the second moment of the pressure, which weak touch at the edge hardly moves, it is +0.41 and +0.20 spacings."),
+    Case("D2s", "Hertz: sphere on a block, rings", "T1", "d2_hertz_sphere.toml",
+         "p0 = 3 F/(2 pi a^2), a^3 = 3 F R/(4 E*), F = 4/3 E* R^(1/2) d^(3/2) [E]; the block ends, 2 % of d", hertz,
+         {"force": 0.04, "pressure in the middle": 0.06, "half width over dx": 1},
+         CATALOGUE + ", at a/dx = 10", spacings=(0.2, 0.1),
+         diagnosis="First order in the spacing: +21, +12 %, extrapolated +2.4 %, as much as the end of the block accounts for. As in C5 and "
+         "D1 contact keeps half a spacing around the outermost centres, and the layer that is strained is that much thinner. The sum of "
+         "the pressures is 2.7 % too high because the area of a ring shrinks with its volume, by half of p0/K = 7 %."),
 ]
