@@ -179,30 +179,53 @@ def stable_block(run):
     return {**sound(run), "length [mm]": 1e3 * run.history["length"][-1], "plastic work [J]": run.history["energy.plastic"][-1]}
 
 
-def turning_tool(run):
-    """Torque 2/3 mu F R while Coulomb friction governs, with the force that acts: in the mean over the second half, and its
-    drift within that half. With lift-off the force comes and goes and the means hold all the same."""
-    time, force, torque = run.history["time"], run.history["tool.force_z"], -run.history["tool.torque"]
-    half = time > time[-1] / 2
-    quarter = time > 3 * time[-1] / 4
-    arm = 2 / 3 * 0.39 * 11e-3
-    ratio = torque[half].mean() / (arm * force[half].mean())
-    early, late = torque[half & ~quarter].mean(), torque[quarter].mean()
+def closest(run):
+    """Shortest distance of two particles at the end, over the spacing."""
     position, _ = last_snapshot(run)
-    distance = np.linalg.norm(position[:, None] - position[None], axis=2) + np.eye(len(position))
-    return {"torque": ratio - 1, "drift of the torque": late / early - 1,
+    return (np.linalg.norm(position[:, None] - position[None], axis=2) + np.eye(len(position))).min() / spacing_of(run)
+
+
+def turning_tool(run):
+    """Torque over 2/3 mu F R while Coulomb friction governs, with the force that acts: in the mean over the second half,
+    and its drift within that half. With lift-off the force comes and goes and the means hold all the same. 2/3 is for a
+    uniform pressure, exact for a tool as wide as the billet; a narrower one presses most at its rim, at most to 1.08
+    (finite elements, tests/verification/sliding_torque_test.cpp)."""
+    time, force, torque = run.history["time"], run.history["tool.force_z"], -run.history["tool.torque"]
+    period = 0.05  # s, of the lift-off; windows of whole periods
+    count = int(time[-1] / period)
+    quarter = (time > period * (count - count // 4)) & (time <= period * count)
+    half = (time > period * (count - 2 * (count // 4))) & (time <= period * count)
+    radius = float(run.settings()["rigid"][0]["shape"]["radius"].split()[0])
+    largest = 1.08 if radius < 12.4e-3 else 1.0
+    ratio = torque[half].mean() / (2 / 3 * 0.39 * radius * force[half].mean())
+    early, late = torque[half & ~quarter].mean(), torque[quarter].mean()
+    return {"torque beyond its bounds": max(ratio - largest, 0) + min(ratio - 1, 0), "torque over 2/3 mu F R": ratio - 1,
+            "drift of the torque": late / early - 1,
             "drift of the force": force[quarter].mean() / force[half & ~quarter].mean() - 1,
             "torque on plate and die": (run.history["plate.torque"] + run.history["die.torque"])[half].mean()
             / torque[half].mean() - 1,
             "largest force [kN]": force.max() / 1e3, "share of time in contact": np.mean(force > 0),
-            "closest particles over the spacing": distance.min() / spacing_of(run),
+            "closest particles over the spacing": closest(run),
             "penetration over the spacing": run.history["penetration_over_dx"].max(), **sound(run)}
 
 
-G2_TARGETS = {"torque": 0.03, "drift of the torque": 0.01, "drift of the force": 0.01, "torque on plate and die": 0.01, **SOUND,
-              "energy residual": 0.01}
+def sinking_tool(run):
+    """Hot metal of 15 MPa yields under the tool and rises in the gap; the strength is at most that at 1e3/s."""
+    time, torque = run.history["time"], -run.history["tool.torque"]
+    second = time > time[-1] / 2
+    tresca = 2 / 3 * np.pi * 0.011**3 * 15e6 / np.sqrt(3) * (1 + 0.015 * np.log(1e3))
+    mean = torque[second].mean()
+    return {"torque above Tresca's": max(mean / tresca - 1, 0), "torque over Tresca's": mean / tresca - 1,
+            "force [kN]": run.history["tool.force_z"][second].mean() / 1e3,
+            "depth [mm]": -1e3 * run.history["tool.displacement_z"][-1], "closest particles over the spacing": closest(run),
+            "penetration over the spacing": run.history["penetration_over_dx"].max(), **sound(run)}
+
+
+G2_TARGETS = {"torque beyond its bounds": 0.02, "drift of the torque": 0.01, "drift of the force": 0.01,
+              "torque on plate and die": 0.01, **SOUND, "energy residual": 0.01}
 # The tool goes up and down by 7 um, more than what 12 kN press the billet together, so that it lifts off in every period.
-LIFT_OFF = {"rigid.0.motion": '{ type = "velocity", z = "-7e-6*2*pi/0.05*cos(2*pi*t/0.05)" }'}
+G2_VARIANTS = {"lift-off": {"rigid.0.motion": '{ type = "velocity", z = "-7e-6*2*pi/0.05*cos(2*pi*t/0.05)" }'},
+               "tool as wide as the billet": {"rigid.0.shape.radius": '"12.5 mm"'}}
 
 CASES = [
     Program("G5", "nasty input: refused with place, value and remedy", "T0", "scene/bad_input_test", "*",
@@ -309,8 +332,13 @@ CASES = [
          {"momentum x": 1e-9, "momentum y": 1e-9, "angular momentum": 1e-3, **SOUND, "energy residual": 0.01}, REASONED,
          must_fail={"no gradient correction": {"numerics.gradient_correction": '"none"'}}),
     Case("G2", "long run under a turning tool, 1e5 steps", "T1", "g2_turning_tool.toml",
-         "torque 2/3 mu F R = 34.32 N m [E]", turning_tool, G2_TARGETS, CATALOGUE, variants={"lift-off": LIFT_OFF}),
-    Case("G2.1", "long run under a turning tool, 1e6 steps", "T2", "g2_turning_tool.toml",
-         "torque 2/3 mu F R = 34.32 N m [E]", turning_tool, G2_TARGETS, CATALOGUE,
-         overrides=lambda spacing: {"time.most_steps": "1000000"}, spacings=(5 / 6,), variants={"lift-off": LIFT_OFF}),
+         "torque 2/3 mu F R [E] for a tool as wide as the billet (39.0 N m), up to 1.08 of it (34.32 N m) for a narrower one [N]",
+         turning_tool, G2_TARGETS, CATALOGUE + "; torque revised: the catalogue's 34.32 N m is for a uniform pressure",
+         spacings=(5 / 6, 5 / 12), target_spacing=5 / 6, variants=G2_VARIANTS),
+    Case("G2.1", "long run under a turning tool, 1e6 steps", "T2", "g2_turning_tool.toml", "as G2", turning_tool, G2_TARGETS,
+         CATALOGUE, spacings=(5 / 6,), overrides=lambda spacing: {"time.most_steps": "1000000"}, variants=G2_VARIANTS),
+    Case("G2.2", "tool that sinks into hot metal, 1e5 steps", "T1", "g2_turning_tool.toml",
+         "torque at most Tresca's 24.14 N m times 1.10, the rate factor at 1e3/s [E]", sinking_tool,
+         {"torque above Tresca's": 0.05, **SOUND, "energy residual": 0.01}, CATALOGUE, spacings=(5 / 6, 5 / 12),
+         overrides=lambda spacing: {"body.0.temperature": '"793.15 K"'}),
 ]
