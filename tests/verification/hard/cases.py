@@ -250,6 +250,17 @@ LARGE_STEP = (
     "(exit code 3). In three dimensions at 0.8: 0.2 %. So the default step is not safe with `velocity` in rings at such "
     "strains.")
 
+ENDS_SPREAD = (
+    "The force is met, but the interface opens to 2 spacings at its ends: with `velocity` the rows at the plates spread "
+    "further than the middle, and the force falls behind as the upsetting goes on. One alloy alone does the same (-6.6 % at "
+    "10 %), so the contrast is not the cause. Refinement to 0.125 mm does not mend it (-4 % at 3 to 5 %, -12 % at 8 %). With "
+    "`full` the force is 9.1, 2.8, -0.4 % off at 0.5, 0.25, 0.125 mm and the widest gap 1.4 spacings.")
+
+STIFF_ENDS = (
+    "With `full` the block is too stiff, at first order: force 22, 10, 5 % at 1, 0.5, 0.25 mm, as if it were two spacings "
+    "shorter, and the pressure inside is as much too high. Contact stiffness (1000 times) and viscosity (none) do not "
+    "change it; `velocity` has 1 %.")
+
 CASES = [
     Program("G5", "nasty input: refused with place, value and remedy", "T0", "scene/bad_input_test", "*",
             "an answer before the first step", "exit code 2 and one message for each of some forty mistakes"),
@@ -308,14 +319,17 @@ CASES = [
     Case("K3", "two alloys, ten times as strong, upset side by side", "T1", "two_alloys.toml",
          "2/sqrt 3 times the mean strength, the interface stays closed [E]", side_by_side,
          {"force": 0.05, "widest gap over the spacing": 0.5, **SOUND},
-         "set by reasoning [T]; gap as in B6, 1.5 spacings", spacings=(0.5, 0.25, 0.125), target_spacing=0.25),
+         "set by reasoning [T]; gap revised from 1.25 to 1.5 spacings, the measure of B6",
+         spacings=(0.5, 0.25), variants={"full correction": {"numerics.gradient_correction": '"full"'}},
+         diagnosis=ENDS_SPREAD),
     Case("K3.1", "soft layer between layers ten times as strong", "T1", "two_alloys_layers.toml",
          "between 2 k w and 2 k w (1 + w/4h), C7", soft_layer, {"beyond the bounds": 0.05, **SOUND}, REASONED,
          spacings=(0.5, 0.25, 0.125)),
     Case("K5", "nearly incompressible elastic block, nu = 0.499", "T1", "incompressible_block.toml",
          "uniaxial compression in plane strain [E]", incompressible,
          {"force": 0.03, "pressure inside": 0.03, "pressure noise inside": 0.05, "change of volume": 0.05, **SOUND}, REASONED,
-         spacings=(1.0, 0.5, 0.25)),
+         spacings=(1.0, 0.5, 0.25), variants={"full correction": {"numerics.gradient_correction": '"full"'}},
+         diagnosis=STIFF_ENDS),
     Case("K6", "Courant number at nine tenths of the largest stable one", "T0", "stretched_block.toml",
          "balances; the largest stable one is that of src/mechanics/README.md, 1.70 with viscosity 0.5", stable_block,
          SOUND, REASONED,
@@ -344,7 +358,8 @@ CASES = [
     Case("K12", "a million steps of a free spinning body", "T1", "million_steps.toml",
          "momentum, angular momentum and energy of a free body [E]", million_steps,
          {"momentum x": 1e-9, "momentum y": 1e-9, "angular momentum": 1e-3, **SOUND, "energy residual": 0.01}, REASONED,
-         must_fail={"no gradient correction": {"numerics.gradient_correction": '"none"'}}),
+         must_fail={"no gradient correction": {"numerics.gradient_correction": '"none"'},
+                    "correction of the velocity gradient alone": {"numerics.gradient_correction": '"velocity"'}}),
     Case("G2", "long run under a turning tool, 1e5 steps", "T1", "g2_turning_tool.toml",
          "torque 2/3 mu F R [E] for a tool as wide as the billet (39.0 N m), up to 1.08 of it (34.32 N m) for a narrower "
          "one [N]",
