@@ -1,5 +1,8 @@
 #include "input/parameters.hpp"
 
+#include <filesystem>
+#include <system_error>
+
 #include "base/error.hpp"
 #include "input/node.hpp"
 
@@ -54,7 +57,8 @@ std::vector<std::string> Parameters::texts(std::string_view key) const {
 }
 std::string Parameters::file(std::string_view key) const {
   const std::filesystem::path path = node_->beside(text(key));
-  if (!std::filesystem::is_regular_file(path))
+  std::error_code too_long;  // or another reason why the name cannot even be looked up
+  if (!std::filesystem::is_regular_file(path, too_long))
     fail(key, "there is no such file. Looked for " + path.string() +
                   "; a relative name is taken from the folder of the input file");
   return path.string();

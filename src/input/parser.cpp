@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <system_error>
 
 #include "base/error.hpp"
 #include "input/node.hpp"
@@ -377,7 +378,8 @@ Parameters parse_text(const std::string& text, const std::string& name, const Sc
 
 Parameters parse_file(const std::string& path, const Schema& schema, const std::vector<std::string>& overrides) {
   std::ifstream file(path);
-  if (!file || !std::filesystem::is_regular_file(path))
+  std::error_code failure;
+  if (!file || !std::filesystem::is_regular_file(path, failure))
     throw InputError(path + ": cannot read the input file. Check the name and the permissions");
   std::ostringstream text;
   text << file.rdbuf();

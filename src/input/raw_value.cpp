@@ -77,6 +77,52 @@ std::string line_of(const std::string& text, std::size_t number) {
   return std::string(trimmed(line));
 }
 
+/// Index of the last character of the string that begins at `begin`, or the length of the text.
+std::size_t end_of_string(const std::string& text, std::size_t begin) {
+  const char quote = text[begin];
+  const std::string three(3, quote);
+  const bool multiline = text.compare(begin, 3, three) == 0;
+  for (std::size_t i = begin + (multiline ? 3 : 1); i < text.size(); ++i) {
+    if (quote == '"' && text[i] == '\\') {
+      ++i;
+    } else if (!multiline && (text[i] == quote || text[i] == '\n')) {
+      return i;
+    } else if (multiline && text.compare(i, 3, three) == 0) {
+      std::size_t last = i + 2;
+      while (last + 1 < text.size() && text[last + 1] == quote) ++last;  // quotes may end a text in quotes
+      return last;
+    }
+  }
+  return text.size();
+}
+
+/// toml11 reads what is nested by recursion and without a limit: a line of brackets would overrun the stack.
+void refuse_deep_nesting(const std::string& text, const std::string& name) {
+  constexpr int deepest = 100;
+  int depth = 0, dots = 0;  // open brackets, and dots of the present key
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      i = end_of_string(text, i);
+    } else if (c == '#') {
+      i = std::min(text.find('\n', i), text.size());
+      dots = 0;
+    } else if (c == '[' || c == '{') {
+      ++depth;
+      dots = 0;
+    } else if (c == ']' || c == '}') {
+      depth = std::max(depth - 1, 0);
+    } else if (c == '.') {
+      ++dots;
+    } else if (c == '=' || c == ',' || c == '\n') {
+      dots = 0;
+    }
+    if (depth + dots > deepest)
+      throw InputError(name + ":" + std::to_string(1 + std::count(text.begin(), text.begin() + i, '\n')) +
+                       ": more than " + std::to_string(deepest) + " tables or lists are nested here");
+  }
+}
+
 std::vector<std::string> segments(const std::string& path) {
   std::vector<std::string> result(1);
   for (const char c : path) {
@@ -145,6 +191,7 @@ std::string_view RawValue::kind_name() const {
 }
 
 RawValue read_toml(const std::string& text, const std::string& name) {
+  refuse_deep_nesting(text, name);
   // toml11 3.7 reads "a = 1" at the end of a text without a final newline, but its frame printer then runs one past it.
   std::istringstream stream(text + "\n");
   try {

@@ -144,7 +144,10 @@ std::int64_t hdf5_access_with_remembered_failures(int* failure) {
   const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
   const DriverInfo info{failure};
   if (access < 0 || registered_driver() < 0 || H5Pset_driver(access, registered_driver(), &info) < 0 ||
-      H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) < 0)
+      H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) < 0 ||
+      // The format since HDF5 1.8: its headers carry checksums, so that HDF5 refuses damaged ones. In the older one it
+      // follows them wherever they point, beyond its own memory too.
+      H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST) < 0)
     return -1;
   return access;
 }

@@ -54,6 +54,7 @@ std::string innermost_error() {
 }
 
 constexpr std::int64_t largest_transfer = std::int64_t(1) << 28;  // bytes; MPI counts are ints
+constexpr std::size_t longest_text = std::size_t(1) << 20;  // bytes of an attribute; one that claims more is damaged
 
 template <class T>
 std::span<const std::uint8_t> bytes_of(std::span<const T> values) {
@@ -206,6 +207,16 @@ Hdf5File::Place Hdf5File::place(const std::string& dataset, Id expected_type) {
     const haddr_t offset = H5Dget_offset(source);
     const bool empty = extent[0] == 0;
     if (!empty && offset == HADDR_UNDEF) fail(action);
+    // What a damaged header claims must not become the size of an allocation: the rows must lie within the file.
+    MPI_Offset end = 0;
+    const std::size_t element = H5Tget_size(type);
+    const hsize_t width = rank == 2 ? extent[1] : 1;
+    if (MPI_File_get_size(bytes_, &end) != MPI_SUCCESS || element == 0) fail(action);
+    const hsize_t room = offset < static_cast<haddr_t>(end) ? (static_cast<haddr_t>(end) - offset) / element : 0;
+    if (!empty && (width == 0 || width > room || extent[0] > room / width))
+      throw IoError("cannot read " + dataset + " in " + path_ +
+                    ": it reaches beyond the end of the file; the file is damaged or cut off");
+    if (empty && width > hsize_t(1) << 20) fail(action);
     found = {empty ? 0 : static_cast<std::int64_t>(offset), static_cast<std::int64_t>(extent[0]),
              rank == 2 ? static_cast<std::int64_t>(extent[1]) : 0};
   });
@@ -365,7 +376,10 @@ std::string Hdf5File::text_attribute(const std::string& object, const std::strin
     const Handle attribute(
         check(H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), action), H5Aclose);
     const Handle type(check(H5Aget_type(attribute), action), H5Tclose);
-    if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0) fail(action);
+    const Handle space(check(H5Aget_space(attribute), action), H5Sclose);
+    if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || H5Tget_size(type) > longest_text ||
+        H5Sget_simple_extent_npoints(space) != 1)
+      fail(action);
     text.resize(H5Tget_size(type));
     check(H5Aread(attribute, type, text.data()), action);
     text.erase(std::find(text.begin(), text.end(), '\0'), text.end());

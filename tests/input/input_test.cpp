@@ -241,6 +241,24 @@ TEST(InputErrors, FormulaAndSyntax) {
   EXPECT_THROW(parse_file("/tmp", scene()), InputError);
 }
 
+/// Found by fuzzing: each overran the stack or left through an exception of the standard library.
+TEST(InputErrors, NestingAndNamesHaveLimits) {
+  const auto times = [](const std::string& part, int count) {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += part;
+    return text;
+  };
+  for (const std::string& deep :
+       {"a = " + times("[", 5000), "a = " + times("[", 5000) + times("]", 5000), "a = " + times("{b = ", 5000),
+        "a" + times(".b", 5000) + " = 1", times("[", 5000), "a = " + times("['''\n]''', ", 5000)})
+    EXPECT_NE(error_of("[time]\nend = \"1 s\"\n" + deep).find("nested here"), std::string::npos) << deep.substr(0, 20);
+  // What only looks nested is not refused for that.
+  for (const std::string& flat : {good + "# " + times("{", 300) + "\n", "a = \"" + times("[", 300) + "\\\"\"\n",
+                                  "a = '''" + times("[", 300) + "''''\n", "a = [" + times("0.5, ", 300) + "]\n"})
+    EXPECT_EQ(error_of(flat).find("nested here"), std::string::npos) << flat.substr(0, 20);
+  EXPECT_THROW(parse_file(times("long", 500) + ".toml", scene()), InputError);
+}
+
 TEST(Input, CallersCanFailAtAKey) {
   try {
     read(good).tables("body")[1].fail("kernel", "not in this space");

@@ -2,6 +2,7 @@
 #include "io/checkpoint.hpp"
 
 #include <gtest/gtest.h>
+#include <hdf5.h>
 
 #include <cmath>
 #include <cstring>
@@ -170,6 +171,85 @@ TEST(Checkpoint, AFileCutOffIsNoticed) {
     message_after([&](std::string& bytes) { bytes.resize(static_cast<std::size_t>(part * double(bytes.size()))); });
   const std::string message = message_after([](std::string& bytes) { bytes.clear(); });
   EXPECT_NE(message.find("not of this kind"), std::string::npos) << message;
+}
+
+/// Whatever byte of the file is damaged: it is refused, or the byte was of no meaning and the same is read.
+TEST(Checkpoint, NoDamagedByteGoesThrough) {
+  const Comm world, alone(MPI_COMM_SELF);
+  const ScratchFolder folder;
+  if (!world.is_root()) return;
+  const std::string path = folder / "a.h5";
+  ParticleSet written(layout_of<Cartesian3>());
+  for (const FieldInfo* info : {&field::id, &field::position, &field::temperature}) written.add(*info);
+  fill(written, 5, 0);
+  const NamedState state{{{"clock", {0.25}}}, {{"scene", "title"}}};
+  write_checkpoint(alone, path, written, state);
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  int refused = 0, tried = 0;
+  for (std::size_t place = 0; place < bytes.size(); place += 7, ++tried) {
+    std::string damaged = bytes;
+    damaged[place] = static_cast<char>(~damaged[place]);
+    std::ofstream(path, std::ios::binary | std::ios::trunc) << damaged;
+    ParticleSet read(layout_of<Cartesian3>());
+    for (const FieldInfo* info : {&field::id, &field::position, &field::temperature}) read.add(*info);
+    try {
+      expect_same_state(read_checkpoint(alone, path, read), state);
+      ASSERT_EQ(read.owned(), written.owned()) << "byte " << place;
+      for (std::size_t f = 0; f < read.fields().size(); ++f)
+        for (std::size_t c = 0; c < read.fields()[f]->components.size(); ++c)
+          for (std::size_t i = 0; i < read.owned(); ++i)
+            ASSERT_EQ(read.fields()[f]->components[c][i], written.fields()[f]->components[c][i]) << "byte " << place;
+    } catch (const Error& error) {
+      ASSERT_EQ(error.code(), ExitCode::Io) << "byte " << place << ": " << error.what();
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, tried / 2);
+}
+
+/// Two sound checkpoints, and the numbers of particles per rank of the one in the other.
+TEST(Checkpoint, ParticlesPerRankMustFitTheFields) {
+  const Comm world;
+  const ScratchFolder folder;
+  ParticleSet particles = particles_on(world);
+  write_checkpoint(world, folder / "a.h5", particles, {});
+  particles.resize_owned(particles.owned() + 2);
+  write_checkpoint(world, folder / "b.h5", particles, {});
+  if (world.is_root()) {
+    const hid_t a = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    const hid_t b = H5Fopen((folder / "b.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    const char* const dataset = "partition/particles_per_rank";
+    EXPECT_GE(H5Ldelete(a, dataset, H5P_DEFAULT), 0);
+    EXPECT_GE(H5Ocopy(b, dataset, a, dataset, H5P_DEFAULT, H5P_DEFAULT), 0);
+    H5Fclose(b);
+    H5Fclose(a);
+  }
+  world.barrier();
+  const std::string message = message_of_io_error([&] { read_checkpoint(world, folder / "a.h5", particles); });
+  EXPECT_NE(message.find("not the number of particles"), std::string::npos) << message;
+}
+
+/// An attribute of several texts, where one is expected, must not be written past the end of that one.
+TEST(Checkpoint, AListOfTextsIsNoText) {
+  const Comm world;
+  const ScratchFolder folder;
+  const std::string path = folder / "a.h5";
+  Hdf5File(world, path, Hdf5File::Mode::Create).close();
+  if (world.is_root()) {
+    const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, 20);
+    const hsize_t count = 50;
+    const hid_t space = H5Screate_simple(1, &count, nullptr);
+    H5Aclose(H5Acreate2(file, "format", type, space, H5P_DEFAULT, H5P_DEFAULT));
+    H5Sclose(space);
+    H5Tclose(type);
+    H5Fclose(file);
+  }
+  world.barrier();
+  ParticleSet particles = particles_on(world);
+  const std::string message = message_of_io_error([&] { read_checkpoint(world, path, particles); });
+  EXPECT_NE(message.find("read the attribute format"), std::string::npos) << message;
 }
 
 TEST(Checkpoint, OtherFilesAreRefused) {

@@ -212,7 +212,9 @@ TEST(PairList, StrayParticleDoesNotExplodeMemory) {
   std::printf("pair list %zu bytes, with a stray particle %zu bytes, memory grown by %.1f MiB\n", usual, strayed,
               grown);
   EXPECT_LT(strayed, 3 * usual);
-  EXPECT_LT(grown, 16);  // the grid may hold 8 cells a particle: 0.1 MiB here; measured below 1 MiB
+#ifndef __SANITIZE_ADDRESS__  // it keeps what was freed, to notice its use
+  EXPECT_LT(grown, 16);       // the grid may hold 8 cells a particle: 0.1 MiB here; measured below 1 MiB
+#endif
 }
 
 TEST(ClusterOrder, IsAPermutationAndForgetsTheOldOrder) {
