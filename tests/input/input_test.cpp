@@ -241,7 +241,7 @@ TEST(InputErrors, FormulaAndSyntax) {
   EXPECT_THROW(parse_file("/tmp", scene()), InputError);
 }
 
-/// Found by fuzzing: each overran the stack or left through an exception of the standard library.
+/// Without these limits, deep nesting overran the stack and the name left through an exception of the standard library.
 TEST(InputErrors, NestingAndNamesHaveLimits) {
   const auto times = [](const std::string& part, int count) {
     std::string text;
