@@ -7,7 +7,7 @@ packages=(
   g++ cmake ninja-build pkg-config git ca-certificates
   openmpi-bin libopenmpi-dev libpetsc-real-dev petsc-dev libhdf5-openmpi-dev libmetis-dev
   libtoml11-dev libudunits2-dev libcli11-dev libspdlog-dev libfmt-dev libmuparser-dev libgmsh-dev libgtest-dev clang-format
-  python3 python3-h5py python3-numpy python3-matplotlib
+  python3 python3-h5py python3-numpy python3-scipy python3-matplotlib
 )
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then

@@ -10,8 +10,8 @@
 namespace stirsph {
 
 double EnergyBalance::residual() const {
-  const double gained = kinetic - initial_kinetic - rescaling + elastic + plastic + viscous + artificial + diffusion +
-                        unmatched + friction + contact;
+  const double gained = kinetic - initial_kinetic - rescaling + elastic + plastic + viscous + artificial + hourglass +
+                        diffusion + unmatched + friction + contact;
   const double scale = std::max({std::abs(external), initial_kinetic, kinetic, plastic + friction});
   return scale > 0 ? (gained - external) / scale : 0.0;
 }
@@ -49,6 +49,7 @@ Diagnostics diagnose(const Simulation& simulation) {
     local.plastic = work.plastic;
     local.viscous = work.viscous;
     local.artificial = work.artificial;
+    local.hourglass = work.hourglass;
     local.diffusion = work.diffusion;
     local.unmatched = work.unmatched;
     local.external = simulation.load_ledger().body_force + simulation.load_ledger().grips;
@@ -73,6 +74,7 @@ Diagnostics diagnose(const Simulation& simulation) {
                            local.plastic,
                            local.viscous,
                            local.artificial,
+                           local.hourglass,
                            local.diffusion,
                            local.unmatched,
                            local.friction,
@@ -82,10 +84,15 @@ Diagnostics diagnose(const Simulation& simulation) {
                            static_cast<double>(particles.owned()),
                            simulation.load_ledger().rescaling};
   comm.sum_in_place(sums);
-  d.energy = {sums[0], sums[1], sums[2], sums[3], sums[4],  sums[5],
-              sums[6], sums[7], sums[8], sums[9], sums[10], simulation.load_ledger().initial_kinetic,
-              sums[13]};
-  d.leaked = static_cast<std::int64_t>(sums[11]) + simulation.particle_count() - static_cast<std::int64_t>(sums[12]);
+  EnergyBalance& all = d.energy;
+  std::size_t next = 0;
+  for (double* value : {&all.kinetic, &all.kinetic_physical, &all.elastic, &all.plastic, &all.viscous, &all.artificial,
+                        &all.hourglass, &all.diffusion, &all.unmatched, &all.friction, &all.contact, &all.external})
+    *value = sums[next++];
+  all.initial_kinetic = simulation.load_ledger().initial_kinetic;
+  const double lost = sums[next++], left = sums[next++];
+  all.rescaling = sums[next++];
+  d.leaked = static_cast<std::int64_t>(lost) + simulation.particle_count() - static_cast<std::int64_t>(left);
   std::vector<double> maxima{hottest, -coldest, strain, inertia};
   comm.max_in_place(maxima);
   d.temperature_max = maxima[0];
@@ -115,7 +122,7 @@ std::vector<HistoryColumn> history_columns(const Scene& scene) {
   std::vector<HistoryColumn> columns{{"step", "1"}, {"dt", "s"}, {"T_min", "K"}, {"T_max", "K"}};
   if (scene.mechanics) {
     for (const char* name : {"kinetic", "kinetic_physical", "elastic", "plastic", "viscous", "artificial_stress",
-                             "diffusion", "unmatched", "friction", "contact", "external_work"})
+                             "hourglass", "diffusion", "unmatched", "friction", "contact", "external_work"})
       columns.push_back({std::string("energy.") + name, "J"});
     for (const char* name : {"energy.residual", "kinetic_over_internal", "inertia_number", "viscous_over_plastic",
                              "plastic_strain_max", "penetration_over_dx"})
@@ -172,10 +179,10 @@ std::vector<double> history_row(const Simulation& simulation, const Diagnostics&
   if (scene.mechanics) {
     const EnergyBalance& e = d.energy;
     const double internal = e.elastic + e.plastic;
-    put({e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.artificial, e.diffusion, e.unmatched,
-         e.friction, e.contact, e.external, e.residual(), internal > 0 ? e.kinetic / internal : 0.0, d.inertia_number,
-         d.viscous_ratio, d.plastic_strain_max, simulation.largest_penetration() / scene.numerics.spacing,
-         simulation.largest_speed()});
+    put({e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.artificial, e.hourglass, e.diffusion,
+         e.unmatched, e.friction, e.contact, e.external, e.residual(), internal > 0 ? e.kinetic / internal : 0.0,
+         d.inertia_number, d.viscous_ratio, d.plastic_strain_max,
+         simulation.largest_penetration() / scene.numerics.spacing, simulation.largest_speed()});
     if (const InertiaGuards* guards = simulation.guards())
       for (int k = 0; k < guard_count; ++k) put({guards->value(static_cast<Guard>(k))});
     if (const ScalingSchedule* schedule = simulation.schedule()) put({schedule->scale(), e.rescaling});

@@ -14,7 +14,8 @@ namespace stirsph {
 struct EnergyBalance {
   double kinetic = 0;           ///< with scaled inertia
   double kinetic_physical = 0;  ///< with physical mass
-  double elastic = 0, plastic = 0, viscous = 0, artificial = 0, diffusion = 0, unmatched = 0, friction = 0, contact = 0;
+  double elastic = 0, plastic = 0, viscous = 0, artificial = 0, hourglass = 0, diffusion = 0, unmatched = 0,
+         friction = 0, contact = 0;
   double external = 0;  ///< by rigid bodies, body force and grips
   double initial_kinetic = 0;
   double rescaling = 0;  ///< kinetic energy that changes of the density scale made

@@ -47,6 +47,9 @@ std::string inertia_summary(const Simulation& simulation) {
 }
 
 /// Everything a run does besides stepping.
+/// Energy residual from which on a run is warned of: sound ones stay below 2 %.
+constexpr double doubtful_residual = 0.1;
+
 class Run {
  public:
   Run(const Comm& comm, const Scene& scene, const RunOptions& options)
@@ -324,13 +327,19 @@ void Run::print_report(const Diagnostics& d) {
   if (simulation_.mechanics()) {
     log::info(
         fmt::format("energy [J]: kinetic {:.4g} (physical {:.3g}), elastic {:.4g}, plastic {:.4g}, viscous {:.4g}, "
-                    "artificial stress {:.4g}, density diffusion {:.4g}, unmatched {:.4g}, friction {:.4g}, contact "
+                    "artificial stress {:.4g}, hourglass control {:.4g}, density diffusion {:.4g}, unmatched {:.4g}, "
+                    "friction {:.4g}, contact "
                     "{:.4g}, external work {:.4g}",
-                    e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.artificial, e.diffusion,
-                    e.unmatched, e.friction, e.contact, e.external));
+                    e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.artificial, e.hourglass,
+                    e.diffusion, e.unmatched, e.friction, e.contact, e.external));
     log::info(fmt::format(
         "energy residual {:.3g}; viscous/plastic dissipation {:.3g}; inertia number {:.3g}; leaked particles {}",
         e.residual(), d.viscous_ratio, d.inertia_number, d.leaked));
+    if (std::abs(e.residual()) > doubtful_residual)
+      log::warning(fmt::format(
+          "the energy balance is open by {:.0f} %: do not trust this run. Take smaller steps (time.cfl, time.step), "
+          "more viscosity or gradient_correction = \"full\" with hourglass_control",
+          100 * std::abs(e.residual())));
     if (const InertiaGuards* guards = simulation_.guards()) {
       std::string values;
       for (int k = 0; k < guard_count; ++k)

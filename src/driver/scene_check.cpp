@@ -66,6 +66,7 @@ std::string check_scene(const Comm& comm, const Scene& scene) {
     line("gradient correction", correction[static_cast<int>(n.gradient_correction)]);
     line("density diffusion", on(n.density_diffusion > 0));
     line("artificial stress", on(n.artificial_stress > 0));
+    line("hourglass control", on(n.hourglass_control > 0));
     line("variable h", on(n.variable_h));
   }
   for (const BodyCount& body : simulation.body_counts()) {

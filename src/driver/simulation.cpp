@@ -85,6 +85,9 @@ void Simulation::step() {
             [&](const Arrival& halo) { mechanics_->update_stress(particles_, neighbourhood_->pairs(), dt, halo); });
     });
     list_expired_ = false;
+    if (mechanics_->settings().hourglass_control > 0)
+      sweep("hourglass", Halo::Gradient, true,
+            [&](const Arrival& halo) { mechanics_->update_hourglass(particles_, neighbourhood_->pairs(), dt, halo); });
     sweep("forces", Halo::Stress, true,
           [&](const Arrival& halo) { mechanics_->update_acceleration(particles_, neighbourhood_->pairs(), dt, halo); });
     guarded([&] { apply_loads(dt); });  // formulas of place and time may have no value at one rank's particles

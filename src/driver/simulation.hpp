@@ -135,6 +135,7 @@ class Simulation {
   void refuse_misplaced_meshes();
   void refuse_coincident_particles();
   void refuse_empty_sets();
+  void refuse_hopeless_step();
   void prepare_rigids();
   void place_probes();
   BilletStiffness billet_stiffness(const RigidScene& rigid) const;

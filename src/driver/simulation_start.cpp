@@ -1,4 +1,6 @@
 /// From a scene to the first step.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -194,7 +196,14 @@ void Simulation::refuse_misplaced_meshes() {
 }
 
 void Simulation::refuse_coincident_particles() {
-  const double least = 0.1 * scene_.numerics.spacing;
+  // Sites of a lattice are a spacing apart, those of two bodies that touch at least half of one.
+  const auto least_between = [&](std::size_t i, std::size_t j) {
+    const auto one = static_cast<std::size_t>(particles_[field::body][i]),
+               other = static_cast<std::size_t>(particles_[field::body][j]);
+    const bool turned = particles_.layout().axisymmetric() && particles_.component(field::position, 0)[j] < 0;
+    const bool jitter = scene_.bodies[one].jitter > 0 || scene_.bodies[other].jitter > 0;
+    return scene_.numerics.spacing * (turned || jitter ? 0.1 : one == other ? 0.6 : 0.45);
+  };
   const PairList& pairs = neighbourhood_->pairs();
   comm_.together([&] {
     for (std::size_t c = 0; c < pairs.clusters(); ++c)
@@ -202,21 +211,35 @@ void Simulation::refuse_coincident_particles() {
         const Vec3 x = particles_.vector_at(field::position, i);
         for (const std::int32_t j : pairs.candidates(c)) {
           if (static_cast<std::size_t>(j) == i) continue;
-          if (norm(x - particles_.vector_at(field::position, j)) >= least) continue;
+          const double apart = norm(x - particles_.vector_at(field::position, j));
+          if (apart >= least_between(i, static_cast<std::size_t>(j))) continue;
           const auto named = [&](std::size_t k) {
             const auto id = static_cast<std::int64_t>(particles_[field::id][k]);
             std::size_t b = 0;
             for (std::int64_t end = body_counts_[0].particles; id >= end; end += body_counts_[b].particles) ++b;
             return std::to_string(id) + " of " + body_counts_[b].name;
           };
-          throw InputError(scene_.path + ": particles " + named(i) + " and " + named(j) + " sit on each other at (" +
-                           std::to_string(1e3 * x.x) + ", " + std::to_string(1e3 * x.y) + ", " +
-                           std::to_string(1e3 * x.z) +
-                           ") mm: bodies overlap, or the periodic box is smaller than a body. Cut one shape with a "
-                           "difference, or move it.");
+          throw InputError(
+              scene_.path + ": particles " + named(i) + " and " + named(j) +
+              fmt::format(" sit on each other, {:.2g} spacings apart, at (", apart / scene_.numerics.spacing) +
+              std::to_string(1e3 * x.x) + ", " + std::to_string(1e3 * x.y) + ", " + std::to_string(1e3 * x.z) +
+              ") mm: bodies overlap, or the periodic box is no multiple of the spacing or smaller than a body. Cut one "
+              "shape with a "
+              "difference, or move it.");
         }
       }
   });
+}
+
+/// A fixed step that no kernel could bear (time.cfl goes up to 3, the largest stable Courant number is 2.3).
+void Simulation::refuse_hopeless_step() {
+  const double most = 3 * least_h_ / (mechanics_->wave_speed() + speed_);
+  if (scene_.time.fixed_step <= most) return;
+  throw InputError(fmt::format(
+      "{}: time.step = {:.4g} s has a Courant number of {:.3g}, and no run is stable above 2.3. Allowed: up to {:.3g} "
+      "s "
+      "here, better {:.3g} s; leave time.step out to have the step follow the Courant number",
+      scene_.path, scene_.time.fixed_step, 3 * scene_.time.fixed_step / most, most, scene_.time.cfl * most / 3));
 }
 
 void Simulation::refuse_empty_sets() {
@@ -287,6 +310,7 @@ void Simulation::start() {
   speed_ = comm_.max(speed_);
   load_ledger_.initial_kinetic = comm_.sum(kinetic_energy());
   least_h_ = comm_.min(mechanics_->least_smoothing_length(particles_));
+  comm_.together([&] { refuse_hopeless_step(); });
   clock_.next_dt = stable_step();
 
   // The first kick needs the initial acceleration; work and heat are counted from the first step on.

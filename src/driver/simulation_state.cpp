@@ -14,7 +14,7 @@ auto partial_sums(Mechanical* mechanics, Touching* contact, Loads& loads) {
   std::vector<decltype(&loads.grips)> sums{&loads.body_force, &loads.grips, &loads.rescaling};
   if (mechanics)
     for (auto* value : {&mechanics->elastic, &mechanics->plastic, &mechanics->viscous, &mechanics->artificial,
-                        &mechanics->diffusion, &mechanics->unmatched, &mechanics->plastic_heat})
+                        &mechanics->hourglass, &mechanics->diffusion, &mechanics->unmatched, &mechanics->plastic_heat})
       sums.push_back(value);
   if (contact)
     for (auto* value : {&contact->external, &contact->friction, &contact->normal, &contact->friction_heat})

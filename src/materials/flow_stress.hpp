@@ -5,6 +5,7 @@
 /// batch.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -41,6 +42,8 @@ class FlowStress {
   virtual long return_map(const FlowBatch& batch) const = 0;
   /// sigma_y [Pa] at a plastic strain, plastic strain rate [1/s] and temperature [K].
   virtual double value(double plastic_strain, double rate, double temperature) const = 0;
+  /// K, where the law ends; infinite when it knows none.
+  virtual double melting_temperature() const { return std::numeric_limits<double>::infinity(); }
 };
 
 template <class Model>
@@ -55,6 +58,12 @@ class FlowStressOf final : public FlowStress {
   }
   double value(double plastic_strain, double rate, double temperature) const override {
     return model_.evaluate(plastic_strain, rate, temperature).stress;
+  }
+  double melting_temperature() const override {
+    if constexpr (requires { model_.melting_temperature; })
+      return model_.melting_temperature;
+    else
+      return FlowStress::melting_temperature();
   }
 
  private:

@@ -28,6 +28,12 @@ void MechanicsIn<S>::add_fields(ParticleSet& particles) const {
     particles.add(*info);
   if (settings_.gradient_correction == GradientCorrection::Full) particles.add(field::corrected_stress);
   if (settings_.artificial_stress > 0) particles.add(field::artificial_stress);
+  if (settings_.hourglass_control > 0) {
+    particles.add(field::velocity_gradient);
+    particles.add(field::hourglass_force);
+    particles.add(field::hourglass_stress);
+    particles.add(field::inverse_moment);
+  }
   if (settings_.heat_input) particles.add(field::heat_input);
 }
 
@@ -322,7 +328,9 @@ void MechanicsIn<S>::update_acceleration(ParticleSet& particles, const PairList&
       });
   active_.expire();
   if constexpr (across < S >> 0) add_hoop_stress(particles, force.data());
+  if (settings_.hourglass_control > 0) add_hourglass_force(particles, force.data());
   divide_by_inertia(particles, force.data());
+  if (settings_.hourglass_control > 0) book_hourglass_work(particles, dt);
   if (viscous())
     for (std::size_t i = 0; i < particles.owned(); ++i) ledger_.viscous += dissipation_[i] * dt;
   if (artificial)

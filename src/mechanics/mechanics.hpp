@@ -20,6 +20,7 @@ struct MechanicsLedger {
   double plastic = 0;       ///< dissipated by plastic flow
   double viscous = 0;       ///< dissipated by artificial viscosity
   double artificial = 0;    ///< taken out by the artificial stress; negative when it feeds noise
+  double hourglass = 0;     ///< taken out by the hourglass control, stored in it or lost as metal flows
   double diffusion = 0;     ///< taken out by density diffusion
   double unmatched = 0;     ///< taken out by the forces where nothing yields, but not stored (correction `velocity`)
   double plastic_heat = 0;  ///< part of `plastic` turned into heat (eq. 13)
@@ -47,6 +48,10 @@ class Mechanics {
   /// Sweep 1 and the material: reads x at the end and v at the middle of the step (halo current), updates volumetric
   /// strain, volume, stress, plastic strain, heat. dt [s].
   virtual void update_stress(
+      ParticleSet& particles, const PairList& pairs, double dt, const Arrival& halo = [] {}) = 0;
+  /// Between the two, with settings().hourglass_control: advances force and stress of the control by dt and adds the
+  /// latter to the stress (gradient halo current). See hourglass.hpp.
+  virtual void update_hourglass(
       ParticleSet& particles, const PairList& pairs, double dt, const Arrival& halo = [] {}) = 0;
   /// Sweep 2: acceleration [m/s2] by stress, viscosity and artificial stress (stress halo current); overwrites the
   /// field.

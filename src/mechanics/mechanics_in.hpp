@@ -26,13 +26,15 @@ class MechanicsIn final : public Mechanics {
   void add_fields(ParticleSet& particles) const override;
   void initialise(ParticleSet& particles) const override;
   void update_stress(ParticleSet& particles, const PairList& pairs, double dt, const Arrival& halo) override;
+  void update_hourglass(ParticleSet& particles, const PairList& pairs, double dt, const Arrival& halo) override;
   void update_acceleration(ParticleSet& particles, const PairList& pairs, double dt, const Arrival& halo) override;
   double wave_speed() const override;
   double least_smoothing_length(const ParticleSet& particles) const override;
   double support(const ParticleSet& particles) const override;
   std::size_t bytes() const override {
-    return (records_.capacity() + dissipation_.capacity() + artificial_power_.capacity()) * sizeof(double) +
-           active_.bytes();
+    std::size_t numbers = records_.capacity() + dissipation_.capacity() + artificial_power_.capacity();
+    for (const AlignedVector& rate : hourglass_rate_) numbers += rate.capacity();
+    return numbers * sizeof(double) + active_.bytes();
   }
 
  private:
@@ -51,6 +53,9 @@ class MechanicsIn final : public Mechanics {
 
   /// The viscosity of this space needs to be told which velocity it sees.
   bool viscosity_has_own_velocity() const { return S::dim == 3 && settings_.viscosity_without_swirl && viscous(); }
+  void pack_hourglass_records(const ParticleSet& particles);
+  void add_hourglass_force(const ParticleSet& particles, double* const* force) const;
+  void book_hourglass_work(const ParticleSet& particles, double dt);
   void add_hoop_stress(const ParticleSet& particles, double* const* force) const;
   void divide_by_inertia(const ParticleSet& particles, double* const* force) const;
   double pressure_wave_speed() const;
@@ -60,6 +65,7 @@ class MechanicsIn final : public Mechanics {
   AlignedVector records_;                         ///< neighbours packed for the sweep at hand
   ActivePairs active_;                            ///< from update_stress to the update_acceleration that follows
   AlignedVector dissipation_, artificial_power_;  ///< W per particle
+  std::array<AlignedVector, S::dim + S::dim * S::dim> hourglass_rate_;  ///< N/s per particle
 };
 
 template <>

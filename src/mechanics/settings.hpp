@@ -24,6 +24,7 @@ struct MechanicsSettings {
   double viscosity_beta = 0;             ///< quadratic artificial viscosity
   double density_diffusion = 0;          ///< delta of delta-SPH, on the volumetric strain; 0 = off
   double artificial_stress = 0;          ///< epsilon of Gray, Monaghan & Swift (2001); 0 = off
+  double hourglass_control = 0;          ///< zeta of hourglass.hpp; 0 = off
   double density_scale = 1;              ///< s: inertial mass over physical mass
   double swirl_density_ratio = 1;        ///< the same of motion around the z axis, over s
   bool swirl_inertia = true;             ///< the swirl has its centrifugal and Coriolis forces

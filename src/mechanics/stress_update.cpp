@@ -43,12 +43,14 @@ struct MaterialFields {
     all(field::stress, stress);
     if (particles.has(field::artificial_stress)) all(field::artificial_stress, extra);
     if (particles.has(field::corrected_stress)) all(field::corrected_stress, corrected);
+    if (particles.has(field::velocity_gradient)) all(field::velocity_gradient, velocity_gradient);
+    if (particles.has(field::inverse_moment)) all(field::inverse_moment, inverse_moment);
     if (particles.has(field::heat_input)) heat_input = particles[field::heat_input].data();
     all(field::position, position);
     all(field::velocity, velocity);
   }
   std::array<double*, S::stress_components> deviator, stress, extra{};
-  std::array<double*, S::velocity_components * S::dim> corrected{};
+  std::array<double*, S::velocity_components * S::dim> corrected{}, velocity_gradient{}, inverse_moment{};
   std::array<const double*, S::dim> position;
   std::array<const double*, S::velocity_components> velocity;
   double *strain, *volume, *plastic_strain, *plastic_rate, *flow_stress;
@@ -208,6 +210,14 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
         artificial_stress<S>(total, settings_.artificial_stress, tensile);
         for (int c = 0; c < components; ++c) store_lanes(tensile[c], f.extra[c] + at, filled);
       }
+      if (settings_.hourglass_control > 0)
+        for (int c = 0; c < S::velocity_components * dim; ++c)
+          store_lanes(load(&block.gradient[c][at - first]), f.velocity_gradient[c] + at, filled);
+      if (settings_.hourglass_control > 0)
+        for (int a = 0; a < dim; ++a)
+          for (int b = 0; b < dim; ++b)
+            store_lanes(load(&block.correction[a * dim + b][at - first]), f.inverse_moment[S::axes[a] * dim + b] + at,
+                        filled);
       if (full)
         for (int a = 0; a < S::velocity_components; ++a)
           for (int b = 0; b < dim; ++b) {

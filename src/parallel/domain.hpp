@@ -14,7 +14,7 @@ struct Domain {
   std::array<bool, 3> periodic{};
   Vec3 low, high;                   ///< m; used in periodic directions only
   std::array<bool, 3> symmetric{};  ///< the metal lies above `plane` in these directions, its mirror image below
-  Vec3 plane;                       ///< m
+  Vec3 plane{};                     ///< m
   bool axis =
       false;  ///< the first coordinate is a distance from an axis: beyond it lie particles turned by half a turn
 

@@ -9,9 +9,9 @@ namespace stirsph {
 /// How many components a field has; the space turns the shape into a number, but for a list, which says it itself.
 enum class Shape { Scalar, Position, Velocity, SymmetricTensor, Matrix, List };
 
-/// When neighbours on other ranks need the field: after the drift, after the stress update, before a heat solve, or
-/// never.
-enum class Halo { None, Static, Kinematic, Stress, Thermal };
+/// When neighbours on other ranks need the field: after the drift, after the gradient sweep, after the stress update,
+/// before a heat solve, or never.
+enum class Halo { None, Static, Kinematic, Gradient, Stress, Thermal };
 
 /// One declaration per field. Values are always double; identifiers and flags are whole numbers below 2^53.
 struct FieldInfo {

@@ -49,6 +49,13 @@ inline constexpr FieldInfo artificial_stress{
     Shape::SymmetricTensor, Halo::Stress, false};
 inline constexpr FieldInfo corrected_stress{
     "corrected_stress", "Pa", "stress times the gradient correction, sigma M^-1", Shape::Matrix, Halo::Stress, false};
+inline constexpr FieldInfo velocity_gradient{
+    "velocity_gradient", "1/s", "velocity gradient, rows velocity components", Shape::Matrix, Halo::Gradient, false};
+inline constexpr FieldInfo inverse_moment{"inverse_moment", "1",        "correction of the kernel gradient, M^-1",
+                                          Shape::Matrix,    Halo::None, false};
+inline constexpr FieldInfo hourglass_force{"hourglass_force", "N", "force of the hourglass control", Shape::Velocity};
+inline constexpr FieldInfo hourglass_stress{
+    "hourglass_stress", "Pa", "what the hourglass control adds to the stress, not symmetric", Shape::Matrix};
 inline constexpr FieldInfo equivalent_plastic_strain{
     "equivalent_plastic_strain", "1", "accumulated equivalent plastic strain", Shape::Scalar, Halo::None, true, true};
 inline constexpr FieldInfo plastic_strain_rate{"plastic_strain_rate",

@@ -55,6 +55,16 @@ Start start_at(const Scene& scene, const BodyScene& body, const Vec3& x) {
     if (body.rotation)
       start.velocity += body.rotation->rate({0.0}) * cross(body.rotation->axis, x - body.rotation->centre);
     start.temperature = body.temperature({x.x, x.y, x.z});
+    const double speed = norm(start.velocity);
+    if (!std::isfinite(speed))
+      throw InputError("the velocity has no finite value at x, y, z = " + std::to_string(x.x) + ", " +
+                       std::to_string(x.y) + ", " + std::to_string(x.z) + " m");
+    const Material& material = scene.materials[body.material];
+    if (const double hottest = material.flow ? material.flow->melting_temperature() : start.temperature;
+        start.temperature > hottest)
+      throw InputError("the temperature is " + std::to_string(start.temperature) +
+                       " K, above the melting temperature of " + material.name + ", " + std::to_string(hottest) +
+                       " K: flow stresses end there. Allowed: up to that temperature");
     if (!(start.temperature > 0))
       throw InputError("the temperature is " + std::to_string(start.temperature) +
                        " K at x, y, z = " + std::to_string(x.x) + ", " + std::to_string(x.y) + ", " +

@@ -36,6 +36,8 @@ void refuse_duplicate(const Parameters& p, const std::string& name, const std::v
 
 std::vector<bool> bodies_of(const Parameters& p, const std::vector<BodyScene>& bodies) {
   if (!p.has("bodies")) return std::vector<bool>(bodies.size(), true);
+  if (p.texts("bodies").empty())
+    p.fail("bodies", "an empty list chooses nothing. Name bodies, or leave the key out for all.");
   std::vector<bool> chosen(bodies.size(), false);
   for (const std::string& name : p.texts("bodies")) chosen[index_of(p, "bodies", name, bodies)] = true;
   return chosen;
@@ -63,6 +65,11 @@ void read_numerics(const Parameters& root, Scene& scene) {
   m.viscosity_beta = n.real("viscosity_beta");
   m.density_diffusion = n.real("density_diffusion");
   m.artificial_stress = n.real("artificial_stress");
+  m.hourglass_control = n.real("hourglass_control");
+  if (m.hourglass_control > 0 && m.gradient_correction != GradientCorrection::Full)
+    n.fail("hourglass_control",
+           "it works on what the velocity gradient does not see, and its stress must act as the adjoint of that "
+           "gradient, also at free surfaces. Give gradient_correction = \"full\".");
   m.density_scale = n.real("density_scale");
   m.elastic_scale = n.real("elastic_scale");
   m.swirl_inertia = n.text("inertia") == "full";

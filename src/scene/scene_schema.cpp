@@ -104,6 +104,12 @@ void declare_numerics(Schema& s) {
   n.real("artificial_stress", "epsilon of the artificial stress against the tensile instability")
       .range(0, 1)
       .by_default(0.0);
+  n.real("hourglass_control",
+         "zeta of the stiffness against motion of single particles that the velocity gradient does not see; cures the "
+         "tensile "
+         "instability. Needs a gradient correction")
+      .range(0, 10)
+      .by_default(0.0);
   n.real("density_scale", "inertial over physical mass (mass scaling)").range(1, 1e12).by_default(1.0);
   n.real("density_scale_for_step", "choose density_scale so that this time step is stable at the given cfl")
       .unit("s")

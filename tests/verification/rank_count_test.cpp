@@ -106,6 +106,13 @@ TEST(RankCount, EverythingOnOneStepG4) {
   }
 }
 
+TEST(RankCount, HourglassControlG4) {
+  const std::vector<std::string> overrides{"time.most_steps=4", "heat.mode=off", "numerics.gradient_correction=full",
+                                           "time.cfl=0.3", "numerics.hourglass_control=1"};
+  const auto one = outcome(1, "mini_tube", overrides);
+  for (int size : {2, 3, 4}) EXPECT_LT(largest_difference(one, outcome(size, "mini_tube", overrides)), 1e-11);
+}
+
 TEST(RankCount, TaylorBarLengthG4) {
   const std::vector<std::string> overrides{"numerics.spacing=0.8 mm"};
   const auto one = outcome(1, "c4_taylor_bar", overrides);

@@ -81,6 +81,11 @@ TEST(PlanesOfSymmetry, QuarterAndEighthInThreeDimensions) {
                            {"domain.symmetry.x=0 mm", "domain.symmetry.y=0 mm", "domain.symmetry.z=0 mm"}, 0.25);
 }
 
+TEST(PlanesOfSymmetry, WithHourglassControl) {
+  const Overrides control{"space=cartesian3", "numerics.artificial_stress=0", "numerics.hourglass_control=1"};
+  expect_part_of_the_whole(control, {"domain.symmetry.x=0 mm", "domain.symmetry.y=0 mm"}, 0.25);
+}
+
 TEST(PlanesOfSymmetry, QuarterInPlaneStrain) {
   const Overrides flat{"space=plane_strain",
                        "body.0.shape.low=[\"-3 mm\", \"-3 mm\"]",

@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """D: contact and friction."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """G: coupled cases, restart, rank count; C8 and D4, the core of the process."""
 
 from verify_cases import Case, Program, mean_between

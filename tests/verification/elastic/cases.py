@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """B: elastic dynamics and objectivity."""
 
 import tomllib

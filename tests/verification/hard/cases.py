@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Hard cases: input that must be refused, sharp edges, extremes of material and of numerical settings, long runs."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """E: heat conduction, interfaces and sources. Most cases compare whole fields with exact solutions and measure orders in
 space and time within one test, in two and three dimensions; they are programs."""
 

@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """F: what scaled inertia adds to forces, against its formulas; swirl."""
 
 from verify_cases import Program

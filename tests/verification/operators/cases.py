@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """A: sums over the kernel, without a run."""
 
 from verify_cases import Program

@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """C: plasticity."""
 
 import numpy as np
