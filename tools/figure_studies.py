@@ -219,17 +219,19 @@ def scaling(runner, records, options, path):
     return numbers
 
 
+OFF = {"numerics.hourglass_control": 0.0}
 SETTINGS = {
     "as in the case": {},
     "no viscosity": {"numerics.viscosity_alpha": 0.0, "numerics.viscosity_beta": 0.0},
     "viscosity 0.5": {"numerics.viscosity_alpha": 0.5},
     "viscosity 2": {"numerics.viscosity_alpha": 2.0},
-    "no artificial stress": {"numerics.artificial_stress": 0.0},
-    "artificial stress 0.3": {"numerics.artificial_stress": 0.3},
+    "full, hourglass control": {"numerics.gradient_correction": "full", "numerics.hourglass_control": 1.0},
+    "full": {"numerics.gradient_correction": "full", **OFF},
+    "full, artificial stress 0.3": {"numerics.gradient_correction": "full", "numerics.artificial_stress": 0.3, **OFF},
+    "velocity": {"numerics.gradient_correction": "velocity", **OFF},
+    "no correction": {"numerics.gradient_correction": "none", **OFF},
+    "no correction, art. stress 0.3": {"numerics.gradient_correction": "none", "numerics.artificial_stress": 0.3, **OFF},
     "density diffusion 0.1": {"numerics.density_diffusion": 0.1},
-    "correction none": {"numerics.gradient_correction": "none"},
-    "correction velocity": {"numerics.gradient_correction": "velocity"},
-    "correction full": {"numerics.gradient_correction": "full"},
     "Wendland C2, 1.5": {"numerics.kernel": "wendland_c2", "numerics.h_over_dx": 1.5},
     "quintic, 1.0": {"numerics.kernel": "quintic", "numerics.h_over_dx": 1.0},
 }

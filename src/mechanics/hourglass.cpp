@@ -9,31 +9,28 @@ namespace stirsph {
 
 template <class S>
 void MechanicsIn<S>::pack_hourglass_records(const ParticleSet& particles) {
-  const auto pack = [&]<bool VariableH>() {
-    using Record = HourglassRecord<S, VariableH>;
-    records_.resize(particles.capacity() * Record::size);
-    const auto volume = particles[field::volume], material = particles[field::material],
-               h = particles[field::smoothing_length];
-    for (std::size_t i = 0; i < particles.capacity(); ++i) {
-      double* const record = records_.data() + i * Record::size;
-      for (int a = 0; a < S::dim; ++a) {
-        record[Record::x + a] = particles.component(field::position, a)[i];
-        record[Record::v + a] = particles.component(field::velocity, S::axes[a])[i];
-        for (int b = 0; b < S::dim; ++b)
-          record[Record::gradient + a * S::dim + b] =
-              particles.component(field::velocity_gradient, S::axes[a] * S::dim + b)[i];
-      }
-      record[Record::volume] = volume[i];
-      record[Record::width] = 1;
-      if constexpr (across < S >> 0) {
-        record[Record::width] = 2 * std::numbers::pi * std::max(std::abs(record[Record::x]), inertia_.core);
-        record[Record::volume] /= record[Record::width];
-      }
-      record[Record::shear] = i < particles.total() ? constants_[static_cast<std::size_t>(material[i])].shear : 1.0;
-      if constexpr (VariableH) record[Record::h] = h[i];
+  using Record = HourglassRecord<S>;
+  records_.resize(particles.capacity() * Record::size);
+  const auto mass = particles[field::mass], material = particles[field::material];
+  for (std::size_t i = 0; i < particles.capacity(); ++i) {
+    double* const record = records_.data() + i * Record::size;
+    for (int a = 0; a < S::dim; ++a) {
+      record[Record::x + a] = particles.component(field::position, a)[i];
+      record[Record::v + a] = particles.component(field::velocity, S::axes[a])[i];
+      for (int b = 0; b < S::dim; ++b)
+        record[Record::gradient + a * S::dim + b] =
+            particles.component(field::velocity_gradient, S::axes[a] * S::dim + b)[i];
     }
-  };
-  settings_.variable_h ? pack.template operator()<true>() : pack.template operator()<false>();
+    // Padding behind the last particle has no mass; its modulus only must not be zero.
+    const MaterialConstants& metal = constants_[i < particles.total() ? static_cast<std::size_t>(material[i]) : 0];
+    record[Record::volume] = mass[i] / metal.density;
+    record[Record::shear] = metal.shear;
+    record[Record::width] = 1;
+    if constexpr (across < S >> 0) {
+      record[Record::width] = 2 * std::numbers::pi * std::max(std::abs(record[Record::x]), inertia_.core);
+      record[Record::volume] /= record[Record::width];
+    }
+  }
 }
 
 template <class S>
@@ -49,12 +46,8 @@ void MechanicsIn<S>::update_hourglass(ParticleSet& particles, const PairList& pa
   }
   std::visit(
       [&]<class K>(const K&) {
-        if (settings_.variable_h)
-          hourglass_sweep<S, K, true>(records_, pairs, 0, particles.clusters(), particles.owned(), smoothing_length(),
-                                      rate.data(), stress_rate.data());
-        else
-          hourglass_sweep<S, K, false>(records_, pairs, 0, particles.clusters(), particles.owned(), smoothing_length(),
-                                       rate.data(), stress_rate.data());
+        hourglass_sweep<S, K>(records_, pairs, 0, particles.clusters(), particles.owned(), smoothing_length(),
+                              rate.data(), stress_rate.data());
       },
       settings_.kernel);
   const auto material = particles[field::material], plastic_rate = particles[field::plastic_strain_rate],

@@ -5,11 +5,12 @@
 /// A pair's velocity less what the gradients of both ends say, dv_ij = v_j - v_i - (L_i + L_j)/2 (x_j - x_i), is zero
 /// for any velocity field up to the second degree, so the control works on what the lattice cannot resolve and vanishes
 /// as dx^2 for what it can. It loads springs of the material's shear modulus, with the pair weight of the Laplacian,
-///   d s_ij/dt = 2 zeta G_ij V_i V_j (-W'/r) dv_ij,  F_i = sum_j s_ij,  eta_i = -1/(2 V_i) sum_j s_ij (x) (x_j - x_i).
-/// F and the stress eta together are the adjoint of dv. Only the sums over j are kept. They turn with the material, and
-/// where it yields they are returned with the deviator, by sigma_y/(sigma_y + 3 G d(eps_p)): metal that flows has no
-/// memory of its lattice. In elastic metal they forget slowly: with large rotations and strains the springs' energy
-/// would drift, and it fed a ring that vibrated (B6).
+///   d s_ij/dt = 2 zeta G_ij V0_i V0_j (-W'/r) dv_ij,  F_i = sum_j s_ij,  eta_i = -1/(2 V_i) sum_j s_ij (x) (x_j -
+///   x_i).
+/// V0 = m/rho0. F and the stress eta together are the adjoint of dv. Only the sums over j are kept. They turn with the
+/// material, and where it yields they are returned with the deviator, by sigma_y/(sigma_y + 3 G d(eps_p)): metal that
+/// flows has no memory of its lattice. In elastic metal they forget slowly: with large rotations and strains the
+/// springs' energy would drift, and it fed a ring that vibrated (B6).
 ///
 /// The idea, shear stiffness of pairs instead of an artificial stress, is that of the non-hourglass formulation (Zhang,
 /// Lourenço, Hu, J. Comput. Phys. 2024). L must be exact for linear fields and the stress act as its adjoint also at a
@@ -26,32 +27,32 @@ namespace stirsph {
 /// forgetting it gains a half of its energy; 80 and 100 do neither.
 inline constexpr double hourglass_memory = 100;
 
-template <class S, bool VariableH>
+template <class S>
 struct HourglassRecord {
   static constexpr int x = 0, v = S::dim, gradient = v + S::dim, volume = gradient + S::dim * S::dim,
-                       shear = volume + 1, width = shear + 1, h = width + 1;  ///< width: 2 pi r of a ring, else 1
-  static constexpr int size = padded_record(h + (VariableH ? 1 : 0));
+                       shear = volume + 1,
+                       width = shear + 1;  ///< 2 pi r of a ring, else 1
+  static constexpr int size = padded_record(width + 1);
 };
 
 /// Adds dF/dt [N/s] and -2 V d(eta)/dt [J/s] of clusters [first, last), by components of a position, without zeta.
-template <class S, class K, bool VariableH>
+template <class S, class K>
 void hourglass_sweep(const AlignedVector& records, const PairList& pairs, std::size_t first, std::size_t last,
                      std::size_t owned, double smoothing, double* const* rate, double* const* stress_rate) {
   constexpr int dim = S::dim;
-  using Record = HourglassRecord<S, VariableH>;
+  using Record = HourglassRecord<S>;
   const double sigma = K::normalisation(dim), inverse_h = 1 / smoothing,
                constant = sigma * std::pow(inverse_h, dim + 1);
   for (std::size_t cluster = first; cluster < last; ++cluster)
     for (std::size_t part = 0; part < cluster_size; part += lanes) {
       const std::size_t i0 = cluster * cluster_size + part;
-      Lanes xi[dim], vi[dim], gi[dim * dim], volume, shear, width, hi{};
+      Lanes xi[dim], vi[dim], gi[dim * dim], volume, shear, width;
       load_rows<S, Record>(records, i0, Record::x, dim, xi);
       load_rows<S, Record>(records, i0, Record::v, dim, vi);
       load_rows<S, Record>(records, i0, Record::gradient, dim * dim, gi);
       load_rows<S, Record>(records, i0, Record::volume, 1, &volume);
       load_rows<S, Record>(records, i0, Record::shear, 1, &shear);
       load_rows<S, Record>(records, i0, Record::width, 1, &width);
-      if constexpr (VariableH) load_rows<S, Record>(records, i0, Record::h, 1, &hi);
       Lanes sum[dim], moment[dim * dim];
       for (int a = 0; a < dim; ++a) sum[a] = 0.0;
       for (Lanes& m : moment) m = 0.0;
@@ -63,15 +64,7 @@ void hourglass_sweep(const AlignedVector& records, const PairList& pairs, std::s
           r2 += d[a] * d[a];
         }
         const Lanes r = sqrt(r2);
-        Lanes slope;
-        if constexpr (VariableH) {
-          const Lanes inverse = 2.0 / (hi + other[Record::h]);
-          Lanes power = inverse * inverse * inverse;
-          if constexpr (dim == 3) power *= inverse;
-          slope = sigma * power * K::slope(r * inverse) / r;
-        } else {
-          slope = constant * K::slope(r * inverse_h) / r;
-        }
+        const Lanes slope = constant * K::slope(r * inverse_h) / r;
         // The harmonic mean of the moduli: a soft metal is not stiffened by a hard neighbour.
         const Lanes both = shear + other[Record::shear];
         const Lanes weight =

@@ -70,6 +70,8 @@ void read_numerics(const Parameters& root, Scene& scene) {
     n.fail("hourglass_control",
            "it works on what the velocity gradient does not see, and its stress must act as the adjoint of that "
            "gradient, also at free surfaces. Give gradient_correction = \"full\".");
+  if (m.hourglass_control > 0 && m.variable_h)
+    n.fail("hourglass_control", "its springs have the kernel of the start. Give variable_h = false.");
   m.density_scale = n.real("density_scale");
   m.elastic_scale = n.real("elastic_scale");
   m.swirl_inertia = n.text("inertia") == "full";
