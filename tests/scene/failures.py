@@ -140,7 +140,7 @@ def case_wrong_input(stirsph):
 
 def case_blow_up(stirsph):
     folder = stirsph.folder("blow_up")
-    stirsph.run(BAR, "-o", folder, "-P", "time.step=2 us", "-P", "time.end=2 ms", "-P",
+    stirsph.run(BAR, "-o", folder, "-P", "time.step=0.6 us", "-P", "time.end=2 ms", "-P",
                 "limits.penetration=1e9").expect(BLOW_UP, "step ", "unstable", "time.step")
     check((folder / "failed_state.h5").exists(), "the state was not saved")
     check("error: " in (folder / "run.log").read_text(encoding="utf-8"), "the message is not in the log")
