@@ -223,7 +223,7 @@ void Simulation::refuse_coincident_particles() {
               scene_.path + ": particles " + named(i) + " and " + named(j) +
               fmt::format(" sit on each other, {:.2g} spacings apart, at (", apart / scene_.numerics.spacing) +
               std::to_string(1e3 * x.x) + ", " + std::to_string(1e3 * x.y) + ", " + std::to_string(1e3 * x.z) +
-              ") mm: bodies overlap, or the periodic box is no multiple of the spacing or smaller than a body. Cut one "
+              ") mm: bodies overlap, or the periodic box is smaller than a body or no multiple of the spacing. Cut one "
               "shape with a "
               "difference, or move it.");
         }

@@ -22,7 +22,7 @@ def hot_held_layers(run):
     """G1, k = 2000 W/m/K: torque per length and rise of the face's temperature in the steady state."""
     end = run.history["time"][-1]
     return {"torque": mean_between(run, "tool.torque_z", 0.9 * end, end) / SLICE / 33536 - 1,
-            "rise of the face": (run.history["T_face"][-1] - 293.15) / (451.45 - 293.15) - 1}
+            "rise of the face": (run.history["face"][-1] - 293.15) / (451.45 - 293.15) - 1}
 
 
 CASES = [
