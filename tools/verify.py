@@ -138,7 +138,7 @@ class Verification:
             known = self.records.known.get(Records.name_of(key, self.runner.commit))
         if known:
             return known
-        command = [str(program), f"--gtest_filter={case.tests}"]
+        command = [str(program), f"--gtest_filter={case.tests}", "--gtest_color=no"]
         if case.ranks > 1:
             command = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(case.ranks), *command]
         environment = {**os.environ, "OMP_NUM_THREADS": "1"}
@@ -272,7 +272,8 @@ def main():
              if isinstance(case, Case) else {}) for case in chosen]
     write_report(options.output, rows, verification.runner.version)
     if options.results:
-        write_results(ROOT / "tests/verification/RESULTS.md", rows, verification.runner.version, sys.argv[1:])
+        write_results(ROOT / "tests/verification/RESULTS.md", rows, verification.runner.version,
+                      f"--tier {options.tier or 'T0'} --results")
     print(f"report: {options.output / 'report.html'} ({time.monotonic() - start:.0f} s)")
     failed = 0
     for case, _, passed, wrong, _ in rows:

@@ -139,7 +139,7 @@ def write_results(path, rows, version, arguments):
     """RESULTS.md: the tables of the report, to be committed."""
     passed = sum(row[2] for row in rows)
     lines = ["# Results of the verification catalogue", "",
-             f"Written by `tools/verify.py {' '.join(arguments)}`; {version}; {machine()}.", "",
+             f"Written by `tools/verify.py {arguments}`; {version}; {machine()}.", "",
              f"**{passed} of {len(rows)} cases meet their targets.** Errors are relative unless the name of the quantity says",
              "otherwise; `order` is the observed one between the two finest spacings. Targets and references: `cases.py` of each folder.", ""]
     family = None
