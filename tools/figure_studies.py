@@ -50,26 +50,31 @@ def error_against_spacing(records_path, path):
     if not records_path.exists():
         raise StudyError(f"there is no {records_path}: run tools/verify.py --tier T1 first")
     records = [json.loads(line) for line in records_path.read_text(encoding="utf-8").splitlines()]
-    figure, axes = plt.subplots(figsize=(8, 6))
-    for case in (case for case in load() if isinstance(case, Case) and len(case.spacings) > 1):
-        for quantity, target in case.targets.items():
-            points = sorted({r["key"]["spacing_mm"]: abs(r["errors"][quantity]) for r in records
-                             if r["key"]["case"] == case.id and r["key"]["kind"] == "plain" and r["errors"].get(quantity)}
-                            .items())
-            if len(points) < 2 or target == 0:
-                continue
-            spacing, error = np.array(points).T
-            order = math.log(error[1] / error[0]) / math.log(spacing[1] / spacing[0])
-            axes.loglog(spacing / case.goal(), error / target, "o-", markersize=3, lw=1,
-                        label=f"{case.id} {quantity} ({order:.1f})")
-    axes.axhline(1, color="k", lw=0.8, ls=":")
-    for order in (1, 2):
-        x = np.array([0.5, 2.0])
-        axes.loglog(x, 0.1 * x**order, "k--", lw=0.7)
-        axes.text(2.02, 0.1 * 2.0**order, f"order {order}", fontsize=7)
-    axes.set(xlabel="spacing over the spacing of the target", ylabel="|error| over its target",
-             title="1: error against spacing; in brackets the observed order between the finest two")
-    axes.legend(fontsize=6, ncol=2, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    cases = [case for case in load() if isinstance(case, Case) and len(case.spacings) > 1]
+    families = list(dict.fromkeys(case.family for case in cases))
+    no_error = ("residual", "drift", "gap", "scatter", "spread", "guard", "noise", "penetration", "lost", "leaked", "spacings")
+    figure, panels = plt.subplots((len(families) + 1) // 2, 2, figsize=(11, 3.4 * ((len(families) + 1) // 2)), squeeze=False)
+    for axes, family in zip(panels.flat, families):
+        for case in (case for case in cases if case.family == family):
+            for quantity, target in case.targets.items():
+                points = sorted({r["key"]["spacing_mm"]: abs(r["errors"][quantity]) for r in records
+                                 if r["key"]["case"] == case.id and r["key"]["kind"] == "plain"
+                                 and r["errors"].get(quantity)}.items())
+                if len(points) < 2 or target == 0 or any(word in quantity for word in no_error):
+                    continue
+                spacing, error = np.array(points).T
+                order = math.log(error[1] / error[0]) / math.log(spacing[1] / spacing[0])
+                axes.loglog(spacing / case.goal(), error / target, "o-", markersize=3, lw=1,
+                            label=f"{case.id} {quantity} ({order:.1f})")
+        axes.axhline(1, color="k", lw=0.8, ls=":")
+        reach = np.array([0.5, 2.0])
+        for order in (1, 2):
+            axes.loglog(reach, 0.1 * reach**order, "k--", lw=0.6)
+        axes.set(xlabel="spacing over that of the target", ylabel="|error| over its target", title=family)
+        axes.legend(fontsize=5.5, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    for axes in panels.flat[len(families):]:
+        axes.axis("off")
+    figure.suptitle("1: error against spacing; in brackets the observed order; dashed: orders 1 and 2", fontsize=10)
     finish(figure, path)
 
 
