@@ -257,10 +257,10 @@ def stability_map(runner, records, options, path):
             record = measured(runner, records, "stability_map", case.path(), {**own, **more}, case.measure)
             base = base or record["cpu_s"]
             found = {q: record["found"].get(q, math.nan) for q in case.targets}
-            finite = [abs(value) / case.targets[q] if case.targets[q] else (0.0 if value == 0 else math.inf)
-                      for q, value in found.items()]
-            worst = max(finite) if record["exit_code"] == 0 and all(map(math.isfinite, found.values())) else math.inf
-            verdict = "dies" if record["exit_code"] != 0 else "meets" if worst <= 1 else "survives"
+            ratios = [abs(value) / case.targets[q] for q, value in found.items() if case.targets[q]]
+            whole = all(value == 0 for q, value in found.items() if not case.targets[q])
+            worst = max(ratios) if record["exit_code"] == 0 and all(map(math.isfinite, found.values())) else math.inf
+            verdict = "dies" if record["exit_code"] != 0 else "meets" if worst <= 1 and whole else "survives"
             label = ("dies" if verdict == "dies" else "no answer" if not math.isfinite(worst) else f"{worst:.2g} of target")
             numbers.setdefault(case.id, {})[name] = {"verdict": verdict, "errors": found, "cpu_s": record["cpu_s"],
                                                      "exit_code": record["exit_code"]}
