@@ -12,6 +12,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from scene_runs import ROOT
 from verify_cases import Case
 
 plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.alpha": 0.3, "axes.spines.top": False,
@@ -166,4 +167,5 @@ def write_results(path, rows, version, arguments):
     if missed:
         lines += ["", "## Misses and why", ""]
         lines += [f"- **{case.id}** ({'; '.join(wrong)}): {case.diagnosis or 'not diagnosed yet'}" for case, wrong in missed]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    # Messages name scenes by their place on the machine; in the repository they are relative to it.
+    path.write_text("\n".join(lines).replace(f"{ROOT}/", "") + "\n", encoding="utf-8")
