@@ -16,14 +16,16 @@ Vec3 with_swirl(const Vec3& v, double factor) { return {v.x, v.y * factor, v.z};
 
 }  // namespace
 
-Contact::Contact(std::vector<ContactPair> pairs, int dim, double spacing, std::vector<ContactMaterial> materials,
-                 const Inertia& inertia)
+Contact::Contact(std::vector<ContactPair> pairs, const SpaceLayout& layout, double spacing,
+                 std::vector<ContactMaterial> materials, const Inertia& inertia, bool surface_layers)
     : pairs_(std::move(pairs)),
-      dim_(dim),
+      dim_(layout.dim),
       spacing_(spacing),
       materials_(std::move(materials)),
       inertia_(inertia),
-      candidates_(pairs_.size()) {}
+      candidates_(pairs_.size()) {
+  if (surface_layers) layer_.emplace(layout, spacing);
+}
 
 double Contact::area_of(double volume, double radius) const {
   if (!inertia_.axisymmetric) return dim_ == 3 ? std::cbrt(volume * volume) : std::sqrt(volume);
@@ -101,7 +103,7 @@ double Contact::margin() const { return spacing_; }
 
 std::vector<std::vector<std::int32_t>> Contact::search(const ParticleSet& particles,
                                                        const std::vector<RigidBody>& bodies) const {
-  const double reach = 0.5 * spacing_ + margin();
+  const double reach = largest_distance() + margin();
   std::vector<std::vector<std::int32_t>> candidates(pairs_.size());
   const auto body_of = particles[field::body];
   std::vector<PlacedBody> placed;
@@ -121,16 +123,55 @@ std::vector<std::vector<std::int32_t>> Contact::search(const ParticleSet& partic
   return candidates;
 }
 
+void Contact::renew_candidates(const ParticleSet& particles, const std::vector<RigidBody>& bodies, double travel) {
+  budget_ -= travel;
+  if (candidates_valid_ && budget_ > 0) return;
+  candidates_ = search(particles, bodies);
+  candidates_valid_ = true;
+  searches_ += 1;
+  budget_ = margin();
+}
+
+Contact::Touch Contact::touch(const ContactPair& pair, const ParticleSet& particles, std::size_t i,
+                              const SurfacePoint& surface) const {
+  Touch touch;
+  const double volume = particles[field::volume][i];
+  touch.thickness = layer_ ? layer_->thickness(particles, i, surface.normal) : 0.5 * spacing_;
+  touch.depth = touch.thickness - surface.distance;
+  if (touch.depth <= 0) return touch;
+  touch.area = layer_ ? volume / (2 * touch.thickness) : area_of(volume, particles.component(field::position, 0)[i]);
+  const ContactMaterial& metal = materials_[static_cast<std::size_t>(particles[field::material][i])];
+  const double inertia = particles[field::mass][i] * inertia_.scale;
+  touch.stiffness = std::max(pair.penalty_scale * metal.youngs_modulus * touch.area / spacing_,
+                             pair.soft_scale * inertia / (contact_step_ * contact_step_));
+  touch.damping = 2 * pair.damping * std::sqrt(touch.stiffness * inertia);
+  if (layer_) touch.layer_opening = -layer_->opening(particles, i, surface.normal, touch.thickness);
+  return touch;
+}
+
+void Contact::press(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel) {
+  contact_step_ = std::max(contact_step_, dt);
+  layer_->advance(particles, dt);
+  renew_candidates(particles, bodies, travel);
+  for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    const RigidBody& rigid = bodies[pairs_[p].rigid];
+    const PlacedBody placed(rigid);
+    for (const std::int32_t i : candidates_[p]) {
+      const Vec3 x = particles.vector_at(field::position, i);
+      const SurfacePoint surface = placed.nearest(x);
+      const Touch touch = this->touch(pairs_[p], particles, i, surface);
+      if (touch.depth <= 0) continue;
+      const Vec3 foot = inertia_.axisymmetric ? x - surface.distance * surface.normal : x;
+      const double opening = dot(particles.vector_at(field::velocity, i) - rigid.pose.velocity_at(foot), surface.normal);
+      layer_->load(particles, i, surface.normal, touch.thickness, touch.force(opening));
+    }
+  }
+}
+
 void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel,
                     bool heat_input) {
   contact_step_ = std::max(contact_step_, dt);
-  budget_ -= travel;
-  if (!candidates_valid_ || budget_ <= 0) {
-    candidates_ = search(particles, bodies);
-    candidates_valid_ = true;
-    searches_ += 1;
-    budget_ = margin();
-  }
+  renew_candidates(particles, bodies, travel);
   loads_.assign(bodies.size(), {});
 
   std::array<double*, 3> a{}, v{};
@@ -140,7 +181,6 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
     v[d] = particles.component(field::velocity, d).data();
   }
   const double* mass = particles[field::mass].data();
-  const double* volume = particles[field::volume].data();
   const double* material_of = particles[field::material].data();
   double* heat_field = heat_input ? particles[field::heat_input].data() : nullptr;
 
@@ -158,14 +198,11 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
     for (const std::int32_t i : candidates_[p]) {
       const Vec3 x = particles.vector_at(field::position, i);
       const SurfacePoint surface = placed.nearest(x);
-      const double depth = 0.5 * spacing_ - surface.distance;
-      if (depth <= 0) continue;
+      const Touch touch = this->touch(pair, particles, i, surface);
+      if (touch.depth <= 0) continue;
       const Vec3 n = surface.normal;
       const int material = static_cast<int>(material_of[i]);
       const double arm = lever(x, surface);
-      const double inertia = mass[i] * inertia_.scale, area = area_of(volume[i], x.x);
-      const double stiffness = std::max(pair.penalty_scale * materials_[material].youngs_modulus * area / spacing_,
-                                        pair.soft_scale * inertia / (contact_step_ * contact_step_));
       Vec3 half_velocity, acceleration;
       for (int d = 0; d < components; ++d) {
         half_velocity[d] = v[d][i];
@@ -176,12 +213,11 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
       const Vec3 foot = inertia_.axisymmetric ? x - surface.distance * n : x;
       const Vec3 surface_velocity = rigid.pose.velocity_at(foot);
       const double opening = dot(half_velocity - surface_velocity, n);
-      const double normal_force =
-          std::max(0.0, stiffness * depth - 2 * pair.damping * std::sqrt(stiffness * inertia) * opening);
+      const double normal_force = touch.force(opening);
 
       const Vec3 coming = half_velocity + dt * acceleration - surface_velocity;
       const Vec3 slip = coming - dot(coming, n) * n;
-      const double touching = area * arm;
+      const double touching = touch.area * arm;
       const Vec3 stopping = sticking(x, slip, arm, mass[i], dt);
       const double limit =
           shear_limit(pair, particles, i, touching, pair.friction * normal_force, norm(slip), norm(stopping));
@@ -196,7 +232,7 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
       const double friction_power = -dot(friction, tangential);
       ledger_.external += dot(force, surface_velocity) * dt;
       ledger_.friction += friction_power * dt;
-      ledger_.normal -= normal_force * dot(mean, n) * dt;
+      ledger_.normal -= normal_force * (dot(mean, n) + touch.layer_opening) * dt;
 
       Vec3 torque = cross(foot - rigid.pose.axis_point(), force), resultant = force;
       if (inertia_.axisymmetric) resultant.x = resultant.y = torque.x = torque.y = 0;  // of the whole ring
@@ -207,7 +243,7 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
       load.surface_speed += norm(surface_velocity - dot(surface_velocity, n) * n);
       load.area += touching;
       load.normal_force += normal_force;
-      load.penetration = std::max(load.penetration, depth);
+      load.penetration = std::max(load.penetration, touch.depth);
       const double heat = pair.heat_conversion * friction_power * dt;
       const double share = pair.heat_share.empty() ? 1.0 : pair.heat_share[material];
       if (heat_field) {

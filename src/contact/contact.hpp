@@ -2,11 +2,14 @@
 /// friction limited by the shear strength (eq. 12), friction heat and its split (eqs 14-15).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "contact/surface_layer.hpp"
 #include "geometry/rigid_body.hpp"
 #include "materials/flow_stress.hpp"
 #include "particles/inertia.hpp"
@@ -59,9 +62,18 @@ struct ContactLedger {
 class Contact {
  public:
   /// `spacing` [m]; a particle's surface lies spacing/2 outside its centre. `materials` by their number in
-  /// field::material.
-  Contact(std::vector<ContactPair> pairs, int dim, double spacing, std::vector<ContactMaterial> materials,
-          const Inertia& inertia);
+  /// field::material. `surface_layers`: the half spacing deforms (SurfaceLayer), and press() must be called before the
+  /// momentum sum.
+  Contact(std::vector<ContactPair> pairs, const SpaceLayout& layout, double spacing,
+          std::vector<ContactMaterial> materials, const Inertia& inertia, bool surface_layers = false);
+
+  bool has_surface_layers() const { return layer_.has_value(); }
+  void add_fields(ParticleSet& particles) const {
+    if (layer_) layer_->add_fields(particles);
+  }
+  void initialise(ParticleSet& particles) const {
+    if (layer_) layer_->initialise(particles);
+  }
 
   /// From now on, another scaling of the mass; the soft constraint keeps its stiffness.
   void set_density_scale(double scale) {
@@ -76,6 +88,10 @@ class Contact {
   /// heat; also the normal impulse where the particles have field::rigid_impulse. `travel` [m]: upper bound of how far
   /// any particle or body surface moved since the last call. dt [s].
   void apply(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel, bool heat_input);
+  /// With surface layers, after the stress update and at the positions of the apply() that follows: deforms the layers
+  /// and adds the stress that the normal forces have in them to field::corrected_stress. `travel` as in apply(), which
+  /// then is told 0.
+  void press(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel);
 
   /// Per pair the owned particles that contact has to look at while candidate lists live, at these positions.
   std::vector<std::vector<std::int32_t>> search(const ParticleSet& particles,
@@ -100,8 +116,25 @@ class Contact {
 
  private:
   double margin() const;  ///< m that may be travelled while a candidate list lives
+  /// m that a particle's surface can lie outside its centre.
+  double largest_distance() const { return layer_ ? layer_->thickest() : 0.5 * spacing_; }
+  void renew_candidates(const ParticleSet& particles, const std::vector<RigidBody>& bodies, double travel);
   /// m2 that a particle covers on a surface; of a ring all around, in plane strain per metre of depth.
   double area_of(double volume, double radius) const;
+  /// How a particle touches a body: what press() and apply() both need.
+  struct Touch {
+    double thickness = 0;      ///< m from the centre to the surface
+    double depth = 0;          ///< m; the rest is set only where it is positive
+    double area = 0;           ///< m2
+    double stiffness = 0;      ///< N/m
+    double damping = 0;        ///< N s/m
+    double layer_opening = 0;  ///< m/s that the particle's surface moves along the normal more than its centre
+    /// Normal force [N] while the centre moves away from the body with `opening` [m/s].
+    double force(double opening) const {
+      return std::max(0.0, stiffness * depth - damping * (opening + layer_opening));
+    }
+  };
+  Touch touch(const ContactPair& pair, const ParticleSet& particles, std::size_t i, const SurfacePoint& surface) const;
   /// Radius of the touched surface over that of a ring: the surface's friction has that area and arm, the metal between
   /// it and the ring's centre passes its torque on. 1 in other spaces, where a particle has no moment to take one by.
   double lever(const Vec3& x, const SurfacePoint& surface) const;
@@ -120,6 +153,7 @@ class Contact {
 
   std::vector<ContactPair> pairs_;
   int dim_;
+  std::optional<SurfaceLayer> layer_;
   double spacing_;
   std::vector<ContactMaterial> materials_;
   Inertia inertia_;

@@ -88,6 +88,11 @@ void Simulation::step() {
     if (mechanics_->settings().hourglass_control > 0)
       sweep("hourglass", Halo::Gradient, true,
             [&](const Arrival& halo) { mechanics_->update_hourglass(particles_, neighbourhood_->pairs(), dt, halo); });
+    if (contact_ && contact_->has_surface_layers())
+      guarded([&] {
+        const ScopedTimer timer(timers_, "contact");
+        contact_->press(particles_, rigids_, dt, travel_of_contact(dt));
+      });
     sweep("forces", Halo::Stress, true,
           [&](const Arrival& halo) { mechanics_->update_acceleration(particles_, neighbourhood_->pairs(), dt, halo); });
     guarded([&] { apply_loads(dt); });  // formulas of place and time may have no value at one rank's particles
@@ -275,6 +280,9 @@ void Simulation::measure_extent() {
   farthest_ = std::sqrt(farthest2);
 }
 
+// Twice the last speed: accelerations within the step are small against it or the step size is wrong.
+double Simulation::travel_of_contact(double dt) const { return dt * (2 * speed_ + surface_speed()); }
+
 void Simulation::apply_loads(double dt) {
   const Inertia& inertia = mechanics_->inertia();
   add_centrifugal(dt);
@@ -291,9 +299,8 @@ void Simulation::apply_loads(double dt) {
   }
   if (contact_) {
     const ScopedTimer timer(timers_, "contact");
-    // Twice the last speed: accelerations within the step are small against it or the step size is wrong.
-    const double travel = dt * (2 * speed_ + surface_speed());
-    contact_->apply(particles_, rigids_, dt, travel, particles_.has(field::heat_input));
+    contact_->apply(particles_, rigids_, dt, contact_->has_surface_layers() ? 0.0 : travel_of_contact(dt),
+                    particles_.has(field::heat_input));
   }
   if (!scene_.grips.empty()) {
     const ScopedTimer timer(timers_, "loads");

@@ -150,6 +150,7 @@ class Simulation {
   void renew_neighbours();
   std::vector<double> particle_costs() const;
   void apply_loads(double dt);
+  double travel_of_contact(double dt) const;  ///< m, upper bound of how far particles and surfaces move in a step
   void apply_grips(double dt);
   void advance_heat(double dt);
   void absorb_heat_at_once();

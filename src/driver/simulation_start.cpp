@@ -48,6 +48,7 @@ Simulation::~Simulation() = default;
 void Simulation::add_fields() {
   Neighbourhood::add_fields(particles_);
   if (mechanics_) mechanics_->add_fields(particles_);
+  if (contact_) contact_->add_fields(particles_);
   if (heat_) HeatSolver::add_fields(particles_);
   if (scene_.heat.mode != HeatScene::Mode::Off) particles_.add(field::heat_input);
   if (contact_ && interfaces_ && !interfaces_->interfaces().empty()) {
@@ -158,9 +159,10 @@ void Simulation::build_contact() {
   std::vector<ContactMaterial> materials;
   for (const Material& material : scene_.materials)
     materials.push_back({material.youngs_modulus * scene_.numerics.elastic_scale, material.flow});
-  contact_ = std::make_unique<Contact>(std::move(pairs), layout_of(scene_.space).dim, scene_.numerics.spacing,
+  contact_ = std::make_unique<Contact>(std::move(pairs), layout_of(scene_.space), scene_.numerics.spacing,
                                        std::move(materials),
-                                       inertia_of(scene_.numerics, layout_of(scene_.space).axisymmetric()));
+                                       inertia_of(scene_.numerics, layout_of(scene_.space).axisymmetric()),
+                                       scene_.numerics.surface_layers);
 }
 
 void Simulation::refuse_overlaps() {
@@ -288,6 +290,7 @@ void Simulation::start() {
   particle_count_ = comm_.sum(static_cast<std::int64_t>(particles_.owned()));
   refuse_empty_sets();
   if (mechanics_) mechanics_->initialise(particles_);
+  if (contact_) contact_->initialise(particles_);
   if (grains_) grains_->initialise(particles_);
   refuse_overlaps();
 

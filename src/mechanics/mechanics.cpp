@@ -28,12 +28,15 @@ void MechanicsIn<S>::add_fields(ParticleSet& particles) const {
     particles.add(*info);
   if (settings_.gradient_correction == GradientCorrection::Full) particles.add(field::corrected_stress);
   if (settings_.artificial_stress > 0) particles.add(field::artificial_stress);
-  if (settings_.hourglass_control > 0) {
+  if (keeps_gradient()) {
     particles.add(field::velocity_gradient);
-    particles.add(field::hourglass_force);
-    particles.add(field::hourglass_stress);
     particles.add(field::inverse_moment);
   }
+  if (settings_.hourglass_control > 0) {
+    particles.add(field::hourglass_force);
+    particles.add(field::hourglass_stress);
+  }
+  if (reconstructs_viscosity()) particles.add(field::strain_rate);
   if (settings_.heat_input) particles.add(field::heat_input);
 }
 
@@ -145,8 +148,8 @@ void MechanicsIn<S>::pack_gradient_records(const ParticleSet& particles, std::si
 
 template <class S>
 void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles, std::size_t first, std::size_t last) {
-  const auto pack = [&]<bool VariableH, bool ArtificialStress, bool Full, bool OwnVelocity>() {
-    using Record = MomentumRecord<S, VariableH, ArtificialStress, Full, OwnVelocity>;
+  const auto pack = [&]<bool VariableH, bool ArtificialStress, bool Full, bool OwnVelocity, bool Reconstruct = false>() {
+    using Record = MomentumRecord<S, VariableH, ArtificialStress, Full, OwnVelocity, Reconstruct>;
     std::vector<RecordColumn> columns;
     const auto put = [&](int slot, const FieldInfo& info, int c) {
       columns.push_back({slot, particles.component(info, c).data()});
@@ -167,6 +170,7 @@ void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles, std::si
         put(Record::stress + stress_slot<S, Full>(1, b), field::stress,
             symmetric_index(std::min(1, S::axes[b]), std::max(1, S::axes[b])));
     if constexpr (ArtificialStress) put_tensor(Record::artificial, field::artificial_stress);
+    if constexpr (Reconstruct) put_tensor(Record::rate, field::strain_rate);
     if constexpr (VariableH) put(Record::h, field::smoothing_length, 0);
     records_.resize(particles.capacity() * Record::size);
     fill_records(columns, first, last, Record::size, records_.data());
@@ -217,6 +221,9 @@ void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles, std::si
       if (viscosity_has_own_velocity())
         return settings_.variable_h ? pack.template operator()<true, ArtificialStress, Full, true>()
                                     : pack.template operator()<false, ArtificialStress, Full, true>();
+    if (reconstructs_viscosity())
+      return settings_.variable_h ? pack.template operator()<true, ArtificialStress, Full, false, true>()
+                                  : pack.template operator()<false, ArtificialStress, Full, false, true>();
     settings_.variable_h ? pack.template operator()<true, ArtificialStress, Full, false>()
                          : pack.template operator()<false, ArtificialStress, Full, false>();
   };

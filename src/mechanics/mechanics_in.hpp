@@ -47,12 +47,17 @@ class MechanicsIn final : public Mechanics {
   /// The same with the viscosity of velocities without their swirl (three dimensions).
   void sweep_momentum_without_swirl(std::size_t first, std::size_t last, const MomentumConstants& constants,
                                     double* const* force, double* dissipation, double* artificial_power);
+  /// The same with the viscosity of what the strain rates leave of an approach.
+  void sweep_momentum_reconstructed(std::size_t first, std::size_t last, const MomentumConstants& constants,
+                                    double* const* force, double* dissipation, double* artificial_power);
   void update_block(ParticleSet& particles, const GradientBlock<S>& block, std::size_t first, double dt);
 
   double smoothing_length() const { return settings_.h_over_dx * settings_.spacing; }
 
   /// The viscosity of this space needs to be told which velocity it sees.
   bool viscosity_has_own_velocity() const { return S::dim == 3 && settings_.viscosity_without_swirl && viscous(); }
+  bool keeps_gradient() const { return settings_.hourglass_control > 0 || settings_.surface_layers; }
+  bool reconstructs_viscosity() const { return settings_.viscosity_reconstruction && viscous(); }
   void pack_hourglass_records(const ParticleSet& particles);
   void add_hourglass_force(const ParticleSet& particles, double* const* force) const;
   void book_hourglass_work(const ParticleSet& particles, double dt);

@@ -8,6 +8,12 @@
 /// the place of sigma: still antisymmetric, and the adjoint of the corrected gradient. q_ij is Monaghan's viscosity, R
 /// the artificial stress of Gray, Monaghan & Swift (2001), f = W(r)/W(dx), n = 4.
 ///
+/// With reconstruction the viscosity sees the approach of a pair less what the strain rates D of both ends explain,
+///   (v_i - v_j).d - phi (p_i + p_j)/2,  p = d.D d,  d = x_i - x_j,  phi = max(0, 4 p_i p_j/(p_i + p_j)^2),
+/// the limiter of van Leer as in Frontiere, Raskin & Owen (J. Comput. Phys. 332, 2017), held between the whole approach
+/// and zero, so that it takes no more out of the motion than without and gives nothing back. A smooth flow is then free
+/// of viscosity to the second order; shocks (where the rates of both ends differ) and what single particles do are not.
+///
 /// In the axisymmetric space the sums run over the half-plane (kernel of two dimensions, V_j = the ring's section A_j)
 /// and over generalised quantities: velocities v_r, omega = v_theta/r, v_z and the stresses 2 pi r sigma_r., 2 pi r^2
 /// sigma_theta., 2 pi r sigma_z.. The same antisymmetric sum then gives the force of a whole ring and, for omega, its
@@ -155,14 +161,15 @@ constexpr int plane_index(int c) {
   return -1;
 }
 
-template <class S, bool VariableH, bool ArtificialStress, bool Full, bool OwnVelocity = false>
+template <class S, bool VariableH, bool ArtificialStress, bool Full, bool OwnVelocity = false, bool Reconstruct = false>
 struct MomentumRecord {
   static constexpr int tensor = S::dim * (S::dim + 1) / 2;  ///< in-space components of a symmetric tensor
   static constexpr int stress_size = Full ? S::velocity_components * S::dim : tensor + across<S> * S::dim;
   static constexpr int x = 0, v = S::dim, volume = v + S::velocity_components, impedance = volume + 1,
                        density = impedance + 1, stress = density + 1, artificial = stress + stress_size,
-                       h = artificial + (ArtificialStress ? tensor : 0), own = h + (VariableH ? 1 : 0);
-  static constexpr int size = padded_record(own + (OwnVelocity ? S::velocity_components : 0));
+                       h = artificial + (ArtificialStress ? tensor : 0), own = h + (VariableH ? 1 : 0),
+                       rate = own + (OwnVelocity ? S::velocity_components : 0);
+  static constexpr int size = padded_record(rate + (Reconstruct ? tensor : 0));
 };
 
 /// In-space components (i <= j < dim) of a symmetric tensor, in storage order.
@@ -305,12 +312,15 @@ struct MomentumConstants {
 /// dissipation and the power taken out by the artificial stress [W] per particle: where a pair is visited once, the
 /// earlier particle has the pair's whole power. Halo copies' forces are left to their owners.
 /// `OwnVelocity`: the viscosity sees another velocity than the true one (that without the swirl).
-template <class S, class K, bool Viscous, bool ArtificialStress, bool VariableH, bool Full, bool OwnVelocity = false>
+/// `Reconstruct`: the viscosity sees what the strain rates of both ends leave of a pair's approach.
+template <class S, class K, bool Viscous, bool ArtificialStress, bool VariableH, bool Full, bool OwnVelocity = false,
+          bool Reconstruct = false>
 void momentum_sweep(const AlignedVector& records, const ActivePairs& active, std::size_t first, std::size_t last,
                     const MomentumConstants& constants, double* const* force, double* dissipation,
                     double* artificial_power) {
   constexpr int dim = S::dim, components = S::velocity_components;
-  using Record = MomentumRecord<S, VariableH, ArtificialStress, Full, OwnVelocity>;
+  static_assert(!Reconstruct || (Viscous && !OwnVelocity));
+  using Record = MomentumRecord<S, VariableH, ArtificialStress, Full, OwnVelocity, Reconstruct>;
   constexpr int tensor = Record::tensor, stress_size = Record::stress_size;
   [[maybe_unused]] constexpr std::array<int, 3> axis = S::axes;
   const double sigma = K::normalisation(dim), inverse_h = 1 / constants.smoothing;
@@ -321,7 +331,7 @@ void momentum_sweep(const AlignedVector& records, const ActivePairs& active, std
   for (std::size_t cluster = first; cluster < last; ++cluster) {
     for (std::size_t part = 0; part < cluster_size; part += lanes) {
       const std::size_t i0 = cluster * cluster_size + part;
-      Lanes xi[dim], vi[components], wi[components], si[stress_size], ri[tensor], volume, impedance{}, density{}, hi{};
+      Lanes xi[dim], vi[components], wi[components], si[stress_size], ri[tensor], rate[tensor], volume, impedance{}, density{}, hi{};
       load_rows<S, Record>(records, i0, Record::x, dim, xi);
       load_rows<S, Record>(records, i0, Record::stress, stress_size, si);
       load_rows<S, Record>(records, i0, Record::volume, 1, &volume);
@@ -332,6 +342,7 @@ void momentum_sweep(const AlignedVector& records, const ActivePairs& active, std
         load_rows<S, Record>(records, i0, Record::density, 1, &density);
       }
       if constexpr (ArtificialStress) load_rows<S, Record>(records, i0, Record::artificial, tensor, ri);
+      if constexpr (Reconstruct) load_rows<S, Record>(records, i0, Record::rate, tensor, rate);
       if constexpr (VariableH) load_rows<S, Record>(records, i0, Record::h, 1, &hi);
       Lanes f[components], dissipated = 0.0, absorbed = 0.0;
       for (int a = 0; a < components; ++a) f[a] = 0.0;
@@ -376,7 +387,21 @@ void momentum_sweep(const AlignedVector& records, const ActivePairs& active, std
           for (int a = 0; a < dim; ++a)
             approach += OwnVelocity ? Lanes((wi[axis[a]] - other[Record::own + axis[a]]) * d[a])
                                     : Lanes((vi[axis[a]] - other[Record::v + axis[a]]) * d[a]);
+          [[maybe_unused]] const Lanes whole = approach;
           approach = min(approach, Lanes(0.0));
+          if constexpr (Reconstruct) {
+            Lanes own = 0.0, others = 0.0;
+            for (int a = 0; a < dim; ++a)
+              for (int b = a; b < dim; ++b) {
+                const Lanes product = (a == b ? 1.0 : 2.0) * d[a] * d[b];
+                own += rate[tensor_slot<S>(a, b)] * product;
+                others += other[Record::rate + tensor_slot<S>(a, b)] * product;
+              }
+            const Lanes sum = own + others;
+            // phi (p_i + p_j)/2 with the limiter written out; tiny keeps 0/0 away.
+            const Lanes explained = max(Lanes(0.0), 2.0 * own * others) * sum / (sum * sum + tiny_square);
+            approach = max(approach, min(Lanes(0.0), whole - explained));
+          }
           const Lanes mu = h * approach / (r2 + 0.01 * h * h);
           Lanes pressure = 0.5 * mu *
                            (constants.beta * (density + other[Record::density]) * mu -
@@ -384,6 +409,7 @@ void momentum_sweep(const AlignedVector& records, const ActivePairs& active, std
           if constexpr (across < S >> 0)  // the mean circumference of the two rings
             pressure *= std::numbers::pi * (abs(xi[0]) + std::abs(other[Record::x]));
           for (int a = 0; a < dim; ++a) stress[stress_slot<S, Full>(axis[a], a)] -= pressure;
+          if constexpr (Reconstruct) approach = whole;
           if constexpr (OwnVelocity) {  // what it takes is decided by the whole velocity
             approach = 0.0;
             for (int a = 0; a < dim; ++a) approach += (vi[axis[a]] - other[Record::v + axis[a]]) * d[a];

@@ -22,6 +22,7 @@ struct MechanicsSettings {
   GradientCorrection gradient_correction = GradientCorrection::None;
   double viscosity_alpha = 1;            ///< linear artificial viscosity (Monaghan)
   double viscosity_beta = 0;             ///< quadratic artificial viscosity
+  bool viscosity_reconstruction = false;  ///< viscosity sees what a linear velocity field leaves of the approach
   double density_diffusion = 0;          ///< delta of delta-SPH, on the volumetric strain; 0 = off
   double artificial_stress = 0;          ///< epsilon of Gray, Monaghan & Swift (2001); 0 = off
   double hourglass_control = 0;          ///< zeta of hourglass.hpp; 0 = off
@@ -30,6 +31,7 @@ struct MechanicsSettings {
   bool swirl_inertia = true;             ///< the swirl has its centrifugal and Coriolis forces
   bool viscosity_without_swirl = false;  ///< viscosity sees the velocity without its swirl around the z axis
   double elastic_scale = 1;              ///< factor on the elastic moduli (soft elasticity)
+  bool surface_layers = false;           ///< contact needs the velocity gradient and its correction as fields
   bool heat_input = false;               ///< plastic heat is collected in the field heat_input
 };
 

@@ -44,12 +44,13 @@ struct MaterialFields {
     if (particles.has(field::artificial_stress)) all(field::artificial_stress, extra);
     if (particles.has(field::corrected_stress)) all(field::corrected_stress, corrected);
     if (particles.has(field::velocity_gradient)) all(field::velocity_gradient, velocity_gradient);
+    if (particles.has(field::strain_rate)) all(field::strain_rate, strain_rate);
     if (particles.has(field::inverse_moment)) all(field::inverse_moment, inverse_moment);
     if (particles.has(field::heat_input)) heat_input = particles[field::heat_input].data();
     all(field::position, position);
     all(field::velocity, velocity);
   }
-  std::array<double*, S::stress_components> deviator, stress, extra{};
+  std::array<double*, S::stress_components> deviator, stress, extra{}, strain_rate{};
   std::array<double*, S::velocity_components * S::dim> corrected{}, velocity_gradient{}, inverse_moment{};
   std::array<const double*, S::dim> position;
   std::array<const double*, S::velocity_components> velocity;
@@ -210,10 +211,16 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
         artificial_stress<S>(total, settings_.artificial_stress, tensile);
         for (int c = 0; c < components; ++c) store_lanes(tensile[c], f.extra[c] + at, filled);
       }
-      if (settings_.hourglass_control > 0)
+      if (keeps_gradient())
         for (int c = 0; c < S::velocity_components * dim; ++c)
           store_lanes(load(&block.gradient[c][at - first]), f.velocity_gradient[c] + at, filled);
-      if (settings_.hourglass_control > 0)
+      if (reconstructs_viscosity())
+        for (int a = 0; a < dim; ++a)
+          for (int b = a; b < dim; ++b)
+            store_lanes(0.5 * (load(&block.gradient[S::axes[a] * dim + b][at - first]) +
+                               load(&block.gradient[S::axes[b] * dim + a][at - first])),
+                        f.strain_rate[in_plane_index<S>(a, b)] + at, filled);
+      if (keeps_gradient())
         for (int a = 0; a < dim; ++a)
           for (int b = 0; b < dim; ++b)
             store_lanes(load(&block.correction[a * dim + b][at - first]), f.inverse_moment[S::axes[a] * dim + b] + at,

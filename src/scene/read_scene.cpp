@@ -63,6 +63,7 @@ void read_numerics(const Parameters& root, Scene& scene) {
                                                      : GradientCorrection::None;
   m.viscosity_alpha = n.real("viscosity_alpha");
   m.viscosity_beta = n.real("viscosity_beta");
+  m.viscosity_reconstruction = n.boolean("viscosity_reconstruction");
   m.density_diffusion = n.real("density_diffusion");
   m.artificial_stress = n.real("artificial_stress");
   m.hourglass_control = n.real("hourglass_control");
@@ -77,6 +78,11 @@ void read_numerics(const Parameters& root, Scene& scene) {
   m.swirl_inertia = n.text("inertia") == "full";
   m.swirl_density_ratio = n.real("swirl_density_ratio");
   m.viscosity_without_swirl = n.text("viscosity_velocity") == "no_swirl";
+  if (m.viscosity_reconstruction && m.viscosity_without_swirl &&
+      scene.space.index() == Space(Cartesian3{}).index())
+    n.fail("viscosity_reconstruction",
+           "in three dimensions the viscosity without swirl has no strain rate of its own. Take viscosity_velocity = "
+           "\"full\", or false here.");
   if (m.swirl_density_ratio < 1 && m.swirl_inertia)
     n.fail("swirl_density_ratio",
            "a swirl that is lighter than other motion needs inertia = \"no_swirl\": its "
@@ -556,6 +562,8 @@ Scene make_scene(const Parameters& root, const std::string& path) {
   read_bodies(root, scene);
   read_rigids(root, scene);
   read_contacts(root, scene);
+  scene.numerics.surface_layers =
+      scene.numerics.gradient_correction == GradientCorrection::Full && !scene.contacts.empty();
   read_sets_and_probes(root, scene);
   read_microstructure(root, scene);
   read_tracers(root, scene);

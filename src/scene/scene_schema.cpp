@@ -100,6 +100,10 @@ void declare_numerics(Schema& s) {
       .by_default("none");
   n.real("viscosity_alpha", "linear artificial viscosity").not_negative().by_default(1.0);
   n.real("viscosity_beta", "quadratic artificial viscosity").not_negative().by_default(0.0);
+  n.boolean("viscosity_reconstruction",
+            "the viscosity sees only what the strain rates of both particles leave of a pair's approach: a smooth flow "
+            "is then free of it, noise and shocks are not")
+      .by_default("false");
   n.real("density_diffusion", "delta of the density diffusion (delta-SPH)").range(0, 1).by_default(0.0);
   n.real("artificial_stress", "epsilon of the artificial stress against the tensile instability")
       .range(0, 1)

@@ -18,7 +18,7 @@ constexpr double spacing = 1e-3, mass = 2e-6, modulus = 70e9, dt = 1e-8, depth =
 struct Touching {
   explicit Touching(const ContactPair& settings, double strength, double z_velocity = 0,
                     std::shared_ptr<const FlowStress> flow = nullptr, double step = dt)
-      : contact({settings}, 3, spacing, {{modulus, std::move(flow)}}, Inertia{}) {
+      : contact({settings}, layout_of(Cartesian3{}), spacing, {{modulus, std::move(flow)}}, Inertia{}) {
     for (const FieldInfo* info : {&field::id, &field::body, &field::material, &field::mass, &field::position,
                                   &field::velocity, &field::acceleration, &field::volume, &field::flow_stress,
                                   &field::heat_input, &field::equivalent_plastic_strain, &field::temperature})
@@ -113,7 +113,7 @@ TEST(Contact, FrictionOnARingHasTheArmOfTheSurface) {
   particles.component(field::position, 0)[0] = centre;
   Inertia inertia;
   inertia.axisymmetric = true;
-  Contact contact({pair_with(10)}, 2, spacing, {{modulus, nullptr}}, inertia);
+  Contact contact({pair_with(10)}, layout_of(AxisymmetricSwirl{}), spacing, {{modulus, nullptr}}, inertia);
   const ShapePointer shape = make_annulus({0, 0, -1}, {0, 0, 1}, bore, 0.02, 2);
   std::vector<RigidBody> bodies{{"die", shape, {}}};
   bodies[0].pose.angular_velocity = 1e3;
