@@ -46,10 +46,10 @@ static_assert(cluster_size % lanes == 0, "a cluster is a whole number of SIMD re
 
 constexpr int padded_record(int size) { return (size + 7) / 8 * 8; }
 
-/// Largest |M^-1| (Frobenius) that a gradient is corrected with where the momentum sum is plain. Faces, edges and
-/// corners of a body have 2.7, 4.5 and 7 (cubic spline), in disorder up to 14; a chip of a dozen particles has more.
-/// With the plain momentum sum such a correction is a gain from velocity to stress that the forces do not have, and
-/// feeds the chip until it explodes.
+/// Largest |M^-1| (Frobenius) that a gradient is corrected with. Faces, edges and corners of a body have 2.7, 4.5 and 7
+/// (cubic spline), in disorder up to 14; a chip of a dozen particles has more. With the plain momentum sum such a
+/// correction is a gain from velocity to stress that the forces do not have, and feeds the chip until it explodes; with
+/// the full one it asks for smaller steps than the rest of the body.
 inline constexpr double largest_correction = 15;
 
 /// Keeps r away from zero for the particle itself; (1e-30 m)^2, far below any spacing.
@@ -279,8 +279,7 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
         Lanes volume = 1e-6 * trace;
         for (int a = 1; a < dim; ++a) volume *= trace;
         auto sound = trace > Lanes(0.05 * dim) && det > volume && norm2 * cofactor_norm2 < 1e4 * det * det;
-        if constexpr (!KeepCorrection)  // the forces do not have it
-          sound = sound && cofactor_norm2 < largest_correction * largest_correction * det * det;
+        sound = sound && cofactor_norm2 < largest_correction * largest_correction * det * det;
         if (stdx::popcount(sound) != static_cast<int>(lanes))
           for (std::size_t lane = 0; lane < lanes; ++lane) fallbacks += !sound[lane] && i0 + lane < owned;
         const LaneMatrix<Lanes, components, dim> corrected = multiply(gradient, cofactors);
