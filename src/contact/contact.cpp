@@ -180,6 +180,13 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
     a[d] = particles.component(field::acceleration, d).data();
     v[d] = particles.component(field::velocity, d).data();
   }
+  std::array<double*, 3> traction{};
+  if (particles.has(field::contact_traction))
+    for (int d = 0; d < components; ++d) {
+      const auto component = particles.component(field::contact_traction, d);
+      std::fill(component.begin(), component.end(), 0.0);
+      traction[d] = component.data();
+    }
   const double* mass = particles[field::mass].data();
   const double* material_of = particles[field::material].data();
   double* heat_field = heat_input ? particles[field::heat_input].data() : nullptr;
@@ -225,6 +232,8 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
       const Vec3 force = normal_force * n + friction,
                  added = inertia_.acceleration(x, with_swirl(force, arm) / mass[i]);
       for (int d = 0; d < components; ++d) a[d][i] += added[d];
+      if (traction[0])
+        for (int d = 0; d < components; ++d) traction[d][i] += force[d] / touching;
 
       // Work over the kick: force times the mean of the velocities before and after it.
       const Vec3 mean = half_velocity + 0.5 * dt * (acceleration + with_swirl(added, arm)) - surface_velocity;

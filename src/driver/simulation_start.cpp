@@ -49,6 +49,7 @@ void Simulation::add_fields() {
   Neighbourhood::add_fields(particles_);
   if (mechanics_) mechanics_->add_fields(particles_);
   if (contact_) contact_->add_fields(particles_);
+  if (contact_ && scene_.output.contact_traction) particles_.add(field::contact_traction);
   if (heat_) HeatSolver::add_fields(particles_);
   if (scene_.heat.mode != HeatScene::Mode::Off) particles_.add(field::heat_input);
   if (contact_ && interfaces_ && !interfaces_->interfaces().empty()) {

@@ -46,9 +46,17 @@ inline Inertia inertia_of(const MechanicsSettings& settings, bool axisymmetric) 
 }
 
 /// The Courant number C of dt = C h/(c + |v|) that is safe for every kernel with viscosity_alpha up to 1, contact and
-/// heat: 0.8 of the least limit that `tools/speed_study.py time_step` finds (README.md beside this file).
+/// heat: 0.8 of the least limit that `tools/speed_study.py time_step` finds, and for `velocity` what a bar at 500 m/s in
+/// rings needs (case K9.1; README.md beside this file).
 inline double safe_courant_number(const MechanicsSettings& settings) {
-  return settings.gradient_correction == GradientCorrection::Full ? 0.5 : 0.8;
+  switch (settings.gradient_correction) {
+    case GradientCorrection::Full:
+      return 0.5;
+    case GradientCorrection::Velocity:
+      return 0.6;
+    default:
+      return 0.8;
+  }
 }
 
 }  // namespace stirsph

@@ -58,6 +58,9 @@ inline constexpr FieldInfo inverse_moment{"inverse_moment", "1",        "correct
 inline constexpr FieldInfo hourglass_force{"hourglass_force", "N", "force of the hourglass control", Shape::Velocity};
 inline constexpr FieldInfo hourglass_stress{
     "hourglass_stress", "Pa", "what the hourglass control adds to the stress, not symmetric", Shape::Matrix};
+inline constexpr FieldInfo contact_traction{
+    "contact_traction", "Pa", "force of the rigid bodies over the area that touches them", Shape::Velocity, Halo::None,
+    false,              true};
 inline constexpr FieldInfo layer_stretch{
     "layer_stretch", "1", "left Cauchy-Green tensor of the metal between a centre and its surface", Shape::SymmetricTensor};
 inline constexpr FieldInfo equivalent_plastic_strain{

@@ -519,6 +519,7 @@ void read_heat_and_output(const Parameters& root, Scene& scene) {
   scene.output.progress_wall = out.real("progress_wall_interval");
   if (out.has("snapshot_times")) scene.output.snapshot_times = out.reals("snapshot_times");
   if (out.has("fields")) scene.output.fields = out.texts("fields");
+  scene.output.contact_traction = std::ranges::count(scene.output.fields, field::contact_traction.name) > 0;
   scene.output.initial_position = root.table("tracking").boolean("initial_position") ||
                                   std::ranges::count(scene.output.fields, field::initial_position.name) > 0;
 

@@ -206,6 +206,7 @@ struct OutputScene {
   std::int64_t history_steps = 0;
   std::vector<double> snapshot_times;  ///< s, besides the interval
   std::vector<std::string> fields;     ///< empty = those marked for snapshots
+  bool contact_traction = false;       ///< recorded, for snapshots
   bool initial_position = false;       ///< recorded at the start and written to snapshots
 };
 

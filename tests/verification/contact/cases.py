@@ -12,13 +12,15 @@ def spacing_of(run):
 
 
 def patch(run):
-    """D1: at rest after the stroke. Strain from the travel less the penetration at both tools, depths as contact counts them;
-    interior: farther than the reach of the kernel from every face. The pressure on a particle goes with its depth."""
+    """D1: at rest after the stroke. Strain from the travel less the penetration at both tools, whose deepest is in the
+    history and which goes with the traction; interior: farther than the reach of the kernel from every face."""
     dx, height, half, modulus = spacing_of(run), 10e-3, 10e-3, 72.4e9
     *_, (_, x, fields) = run.snapshots()
     travel = -run.history["top.displacement_z"][-1]
     top, bottom = x[:, 2] > height - dx, x[:, 2] < dx
-    at_top, at_bottom = dx / 2 - (height - travel - x[top, 2]), dx / 2 - x[bottom, 2]
+    traction = np.abs(fields["contact_traction"][:, 2])
+    depth = traction * run.history["penetration_over_dx"][-1] * dx / traction.max()
+    at_top, at_bottom = depth[top], depth[bottom]
     strain = (travel - at_top.mean() - at_bottom.mean()) / height
     stress = modulus * strain
     reach = 2 * float(run.settings()["numerics"]["h_over_dx"]) * dx
@@ -92,7 +94,7 @@ def springs(penalty, soft):
 
 
 def hertz(run):
-    """D2: the pressure on a particle is penalty_scale E depth/dx, which the run's force must be the sum of. Pressure in the
+    """D2: pressure on particles, which the run's force must be the sum of. Pressure in the
     middle (mean over a quarter of the contact), half width and shape are compared with Hertz's for the force of the run; the
     force of the sphere with that of its approach less the depth of its middle."""
     dx, history, radius, modulus, reduced = spacing_of(run), run.history, 10e-3, 72.4e9, 81.248e9
@@ -100,12 +102,11 @@ def hertz(run):
     axis, height = ("z", 20e-3) if sphere else ("y", 8e-3)
     force = history[f"tool.force_{axis}"][-1] * (1 if sphere else 2)
     travel = -history[f"tool.displacement_{axis}"][-1]
-    *_, (_, position, _) = run.snapshots()
+    *_, (_, position, fields) = run.snapshots()
     x, y = position[:, 0], position[:, 2 if sphere else 1]
-    depth = dx / 2 - (np.hypot(x, y - (height + radius - travel)) - radius)
-    touching = depth > 0
-    x, depth = x[touching], depth[touching]
-    pressure = float(run.settings()["contact"][0]["penalty_scale"]) * modulus * depth / dx
+    pressure = np.sqrt((fields["contact_traction"]**2).sum(axis=1))
+    touching = (pressure > 0) & (y > height / 2)
+    x, pressure = x[touching], pressure[touching]
     if sphere:
         half = np.cbrt(0.75 * force * radius / reduced)
         highest = 1.5 * force / (np.pi * half**2)
@@ -125,7 +126,7 @@ def hertz(run):
              "sum of the pressures": total / force - 1, "half width, spacings": half / dx,
              "highest pressure, MPa": highest / 1e6}
     if sphere:
-        approach = travel - depth[np.argmin(x)]
+        approach = travel - pressure[np.argmin(x)] * run.history["penetration_over_dx"][-1] * dx / pressure.max()
         found["force"] = force / (4 / 3 * reduced * np.sqrt(radius) * approach**1.5) - 1
     return found
 

@@ -15,23 +15,24 @@ def spacing_of(run):
 
 def closed_die(run):
     """C5: force of the punch and pressure on the wall against those of a homogeneous strain, axial from the travel less the
-    penetration at both ends, lateral from the penetration of the wall. Depths as contact counts them: half a spacing less the
-    distance of the centre. The pressure on a particle goes with its depth, so the scatter of depths is that of the pressure.
-    Strains are logarithmic: mean stress K ln(rho0/rho)."""
+    penetration at both ends, lateral from the penetration of the wall. The traction on a particle goes with its
+    depth, the deepest is in the history. Strains are logarithmic: mean stress K ln(rho0/rho)."""
     dx, time, height = spacing_of(run), run.history["time"], 10e-3
     square = "bottom.force_z" not in run.history
     half = 5e-3 if square else 12.5e-3
     area, rows = (4 * half * half if square else np.pi * half * half), []
-    for when, x, _ in run.snapshots():
+    for when, x, fields in run.snapshots():
         if when == 0:
             continue
+        traction = np.abs(fields["contact_traction"])
+        per_traction = np.interp(when, time, run.history["penetration_over_dx"]) * dx / traction.max()
         travel = -np.interp(when, time, run.history["punch.displacement_z"])
         side = np.abs(x[:, :2]).max(axis=1) if square else x[:, 0]
         weight = np.ones(len(x)) if square else x[:, 0]
         top, bottom, rim = x[:, 2] > x[:, 2].max() - dx / 2, x[:, 2] < x[:, 2].min() + dx / 2, side > side.max() - dx / 2
-        at_punch = dx / 2 - (height - travel - np.average(x[top, 2], weights=weight[top]))
-        at_bottom = dx / 2 - np.average(x[bottom, 2], weights=weight[bottom])
-        at_wall = dx / 2 - (half - side[rim])
+        at_punch = per_traction * np.average(traction[top, 2], weights=weight[top])
+        at_bottom = per_traction * np.average(traction[bottom, 2], weights=weight[bottom])
+        at_wall = per_traction * (traction[rim, :2].max(axis=1) if square else traction[rim, 0])
         strain, lateral = -np.log1p((at_punch + at_bottom - travel) / height), np.log1p(at_wall.mean() / half)
         volumetric, difference = strain - 2 * lateral, min(2 * SHEAR * (strain + lateral), YIELD)
         force = np.interp(when, time, run.history["punch.force_z"])
