@@ -190,8 +190,9 @@ def misses(case, record):
 
 
 def judge(case, records):
-    """(passed, what is wrong). A case passes when its plain runs and variants meet all targets at the target spacing,
-    what must fail does, and wrong input is refused with its message."""
+    """(passed, what is wrong). A case passes when its plain runs and variants meet all targets at the target spacing
+    and at every finer one (an error that grows again was met by luck), what must fail does, and wrong input is refused
+    with its message."""
     if isinstance(case, Program):
         return records[0]["passed"], [] if records[0]["passed"] else ["the test failed"]
     wrong = []
@@ -199,8 +200,9 @@ def judge(case, records):
         key = record["key"]
         label = key["variant"] + (f" on {key['ranks']} ranks" if key["ranks"] > 1 else "")
         if key["kind"] in ("plain", "variant"):
-            if key["spacing_mm"] == case.goal():
-                wrong += [f"{label + ': ' if label else ''}{name}" for name in misses(case, record)]
+            if key["spacing_mm"] is None or key["spacing_mm"] <= case.goal():
+                at = f" at {key['spacing_mm']:g} mm" if key["spacing_mm"] != case.goal() else ""
+                wrong += [f"{label + ': ' if label else ''}{name}{at}" for name in misses(case, record)]
         elif key["kind"] == "must_fail":
             if not misses(case, record):
                 wrong.append(f"{label}: passes though it must not")

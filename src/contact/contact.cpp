@@ -162,7 +162,8 @@ void Contact::press(ParticleSet& particles, const std::vector<RigidBody>& bodies
       const Touch touch = this->touch(pairs_[p], particles, i, surface);
       if (touch.depth <= 0) continue;
       const Vec3 foot = inertia_.axisymmetric ? x - surface.distance * surface.normal : x;
-      const double opening = dot(particles.vector_at(field::velocity, i) - rigid.pose.velocity_at(foot), surface.normal);
+      const double opening =
+          dot(particles.vector_at(field::velocity, i) - rigid.pose.velocity_at(foot), surface.normal);
       layer_->load(particles, i, surface.normal, touch.thickness, touch.force(opening));
     }
   }

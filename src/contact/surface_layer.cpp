@@ -45,8 +45,7 @@ void SurfaceLayer::advance(ParticleSet& particles, double dt) const {
   const auto plastic_rate = particles[field::plastic_strain_rate];
   std::array<std::array<double*, 3>, 3> stretch{};
   for (int a = 0; a < dim; ++a)
-    for (int b = 0; b < dim; ++b)
-      stretch[a][b] = particles.component(field::layer_stretch, slot(layout_, a, b)).data();
+    for (int b = 0; b < dim; ++b) stretch[a][b] = particles.component(field::layer_stretch, slot(layout_, a, b)).data();
   for (std::size_t i = 0; i < particles.owned(); ++i) {
     Square step = velocity_gradient(particles, layout_, i), half{}, next{};
     for (int a = 0; a < dim; ++a)
@@ -57,11 +56,13 @@ void SurfaceLayer::advance(ParticleSet& particles, double dt) const {
     for (int a = 0; a < dim; ++a)
       for (int b = 0; b < dim; ++b)
         for (int c = 0; c < dim; ++c) next[a][b] += half[a][c] * step[b][c];
-    const double forgotten = 1 - std::exp(-plastic_rate[i] * dt),
-                 isotropic = std::pow(determinant(next, dim), 1.0 / dim);
+    const double forgotten = 1 - std::exp(-plastic_rate[i] * dt), volume = determinant(next, dim),
+                 isotropic = std::pow(volume, 1.0 / dim);
     for (int a = 0; a < dim; ++a)
-      for (int b = a; b < dim; ++b)
-        stretch[a][b][i] = next[a][b] + forgotten * ((a == b ? isotropic : 0.0) - next[a][b]);
+      for (int b = 0; b < dim; ++b) next[a][b] += forgotten * ((a == b ? isotropic : 0.0) - next[a][b]);
+    const double keep_volume = forgotten > 0 ? std::pow(volume / determinant(next, dim), 1.0 / dim) : 1.0;
+    for (int a = 0; a < dim; ++a)
+      for (int b = a; b < dim; ++b) stretch[a][b][i] = keep_volume * next[a][b];
   }
 }
 
@@ -69,8 +70,8 @@ double SurfaceLayer::thickness(const ParticleSet& particles, std::size_t i, cons
   double square = 0;
   for (int a = 0; a < layout_.dim; ++a)
     for (int b = 0; b < layout_.dim; ++b)
-      square += n[layout_.axes[a]] * n[layout_.axes[b]] *
-                particles.component(field::layer_stretch, slot(layout_, a, b))[i];
+      square +=
+          n[layout_.axes[a]] * n[layout_.axes[b]] * particles.component(field::layer_stretch, slot(layout_, a, b))[i];
   return std::clamp(std::sqrt(std::max(square, 0.0)), thinnest_layer, thickest_layer) * half_;
 }
 
@@ -88,8 +89,7 @@ void SurfaceLayer::load(ParticleSet& particles, std::size_t i, const Vec3& n, do
   for (int b = 0; b < dim; ++b) {
     double corrected = 0;
     for (int c = 0; c < dim; ++c)
-      corrected +=
-          n[layout_.axes[c]] * particles.component(field::inverse_moment, layout_.axes[c] * dim + b)[i];
+      corrected += n[layout_.axes[c]] * particles.component(field::inverse_moment, layout_.axes[c] * dim + b)[i];
     for (int a = 0; a < dim; ++a)
       particles.component(field::corrected_stress, layout_.axes[a] * dim + b)[i] +=
           stress * n[layout_.axes[a]] * corrected;

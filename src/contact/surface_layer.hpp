@@ -1,15 +1,15 @@
 /// The metal between the centre of a particle and the surface of its body: half a spacing thick at the start, and
 /// deformed like the particle.
 ///
-/// A particle that touches a rigid body at the distance a is pushed not at its centre x but at the surface, x - a n, which
-/// moves with v - a L n (n the outward normal of the rigid body, L the velocity gradient). By virtual work the force F
-/// of contact then does two things: it acts on the particle, and it takes the place of the metal that is missing beyond
-/// the centre, as a stress a/V F (x) n beside the particle's own. Without this a body between plates is strained over
-/// its height less a spacing, and its outermost layer carries too little.
+/// A particle that touches a rigid body at the distance a is pushed not at its centre x but at the surface, x - a n,
+/// which moves with v - a L n (n the outward normal of the rigid body, L the velocity gradient). By virtual work the
+/// force F of contact then does two things: it acts on the particle, and it takes the place of the metal that is
+/// missing beyond the centre, as a stress a/V F (x) n beside the particle's own. Without this a body between plates is
+/// strained over its height less a spacing, and its outermost layer carries too little.
 ///
-/// The thickness follows b = F F^T, the left Cauchy-Green tensor, db/dt = L b + b L^T, a = sqrt(n.b n) dx/2. Where metal
-/// flows particles change places and layers forget: b tends to the isotropic tensor of the same volume, by 1/e over a
-/// plastic strain of one.
+/// The thickness follows b = F F^T, the left Cauchy-Green tensor, db/dt = L b + b L^T, a = sqrt(n.b n) dx/2. Where
+/// metal flows particles change places and layers forget: b tends to the isotropic tensor of the same volume, by 1/e
+/// over a plastic strain of one.
 ///
 /// L and the stress must be adjoint to each other and exact at a surface: gradient_correction = "full".
 #pragma once

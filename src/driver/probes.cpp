@@ -209,7 +209,8 @@ std::string unit_of(const Scene& scene, const std::string& name) {
   make_mechanics(scene.space, scene.numerics, scene.materials)->add_fields(all);
   HeatSolver::add_fields(all);
   GrainEvolution::add_fields(all);
-  for (const FieldInfo* info : {&field::initial_position, &field::contact_traction, &field::layer_stretch}) all.add(*info);
+  for (const FieldInfo* info : {&field::initial_position, &field::contact_traction, &field::layer_stretch})
+    all.add(*info);
   const Field* field = find_field(all, name);
   return field ? std::string(field->info->unit) : "1";
 }

@@ -160,10 +160,9 @@ void Simulation::build_contact() {
   std::vector<ContactMaterial> materials;
   for (const Material& material : scene_.materials)
     materials.push_back({material.youngs_modulus * scene_.numerics.elastic_scale, material.flow});
-  contact_ = std::make_unique<Contact>(std::move(pairs), layout_of(scene_.space), scene_.numerics.spacing,
-                                       std::move(materials),
-                                       inertia_of(scene_.numerics, layout_of(scene_.space).axisymmetric()),
-                                       scene_.numerics.surface_layers);
+  contact_ = std::make_unique<Contact>(
+      std::move(pairs), layout_of(scene_.space), scene_.numerics.spacing, std::move(materials),
+      inertia_of(scene_.numerics, layout_of(scene_.space).axisymmetric()), scene_.numerics.surface_layers);
 }
 
 void Simulation::refuse_overlaps() {

@@ -148,7 +148,8 @@ void MechanicsIn<S>::pack_gradient_records(const ParticleSet& particles, std::si
 
 template <class S>
 void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles, std::size_t first, std::size_t last) {
-  const auto pack = [&]<bool VariableH, bool ArtificialStress, bool Full, bool OwnVelocity, bool Reconstruct = false>() {
+  const auto
+      pack = [&]<bool VariableH, bool ArtificialStress, bool Full, bool OwnVelocity, bool Reconstruct = false>() {
     using Record = MomentumRecord<S, VariableH, ArtificialStress, Full, OwnVelocity, Reconstruct>;
     std::vector<RecordColumn> columns;
     const auto put = [&](int slot, const FieldInfo& info, int c) {

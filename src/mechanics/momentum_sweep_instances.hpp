@@ -34,7 +34,7 @@ void MechanicsIn<S>::sweep_momentum(std::size_t first, std::size_t last, const M
   if constexpr (S::dim == 3)
     if (viscosity_has_own_velocity())
       return sweep_momentum_without_swirl(first, last, constants, force, dissipation, artificial_power);
-  if (reconstructs_viscosity()) 
+  if (reconstructs_viscosity())
     return sweep_momentum_reconstructed(first, last, constants, force, dissipation, artificial_power);
   const auto run = [&]<bool Viscous, bool ArtificialStress, bool VariableH>() {
     std::visit(

@@ -330,7 +330,8 @@ void momentum_sweep(const AlignedVector& records, const ActivePairs& active, std
   for (std::size_t cluster = first; cluster < last; ++cluster) {
     for (std::size_t part = 0; part < cluster_size; part += lanes) {
       const std::size_t i0 = cluster * cluster_size + part;
-      Lanes xi[dim], vi[components], wi[components], si[stress_size], ri[tensor], rate[tensor], volume, impedance{}, density{}, hi{};
+      Lanes xi[dim], vi[components], wi[components], si[stress_size], ri[tensor], rate[tensor], volume, impedance{},
+          density{}, hi{};
       load_rows<S, Record>(records, i0, Record::x, dim, xi);
       load_rows<S, Record>(records, i0, Record::stress, stress_size, si);
       load_rows<S, Record>(records, i0, Record::volume, 1, &volume);

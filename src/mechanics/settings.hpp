@@ -20,19 +20,19 @@ struct MechanicsSettings {
   double h_over_dx = 1.3;   ///< smoothing length over spacing
   bool variable_h = false;  ///< h_i = h_0 (rho_0/rho_i)^(1/d) (paper eq. 7)
   GradientCorrection gradient_correction = GradientCorrection::None;
-  double viscosity_alpha = 1;            ///< linear artificial viscosity (Monaghan)
-  double viscosity_beta = 0;             ///< quadratic artificial viscosity
+  double viscosity_alpha = 1;             ///< linear artificial viscosity (Monaghan)
+  double viscosity_beta = 0;              ///< quadratic artificial viscosity
   bool viscosity_reconstruction = false;  ///< viscosity sees what a linear velocity field leaves of the approach
-  double density_diffusion = 0;          ///< delta of delta-SPH, on the volumetric strain; 0 = off
-  double artificial_stress = 0;          ///< epsilon of Gray, Monaghan & Swift (2001); 0 = off
-  double hourglass_control = 0;          ///< zeta of hourglass.hpp; 0 = off
-  double density_scale = 1;              ///< s: inertial mass over physical mass
-  double swirl_density_ratio = 1;        ///< the same of motion around the z axis, over s
-  bool swirl_inertia = true;             ///< the swirl has its centrifugal and Coriolis forces
-  bool viscosity_without_swirl = false;  ///< viscosity sees the velocity without its swirl around the z axis
-  double elastic_scale = 1;              ///< factor on the elastic moduli (soft elasticity)
-  bool surface_layers = false;           ///< contact needs the velocity gradient and its correction as fields
-  bool heat_input = false;               ///< plastic heat is collected in the field heat_input
+  double density_diffusion = 0;           ///< delta of delta-SPH, on the volumetric strain; 0 = off
+  double artificial_stress = 0;           ///< epsilon of Gray, Monaghan & Swift (2001); 0 = off
+  double hourglass_control = 0;           ///< zeta of hourglass.hpp; 0 = off
+  double density_scale = 1;               ///< s: inertial mass over physical mass
+  double swirl_density_ratio = 1;         ///< the same of motion around the z axis, over s
+  bool swirl_inertia = true;              ///< the swirl has its centrifugal and Coriolis forces
+  bool viscosity_without_swirl = false;   ///< viscosity sees the velocity without its swirl around the z axis
+  double elastic_scale = 1;               ///< factor on the elastic moduli (soft elasticity)
+  bool surface_layers = false;            ///< contact needs the velocity gradient and its correction as fields
+  bool heat_input = false;                ///< plastic heat is collected in the field heat_input
 };
 
 /// The inertia they mean; `axisymmetric`: of the space.
@@ -46,8 +46,8 @@ inline Inertia inertia_of(const MechanicsSettings& settings, bool axisymmetric) 
 }
 
 /// The Courant number C of dt = C h/(c + |v|) that is safe for every kernel with viscosity_alpha up to 1, contact and
-/// heat: 0.8 of the least limit that `tools/speed_study.py time_step` finds, and for `velocity` what a bar at 500 m/s in
-/// rings needs (case K9.1; README.md beside this file).
+/// heat: 0.8 of the least limit that `tools/speed_study.py time_step` finds, and for `velocity` what a bar at 500 m/s
+/// in rings needs (case K9.1; README.md beside this file).
 inline double safe_courant_number(const MechanicsSettings& settings) {
   switch (settings.gradient_correction) {
     case GradientCorrection::Full:

@@ -51,18 +51,23 @@ inline constexpr FieldInfo corrected_stress{
     "corrected_stress", "Pa", "stress times the gradient correction, sigma M^-1", Shape::Matrix, Halo::Stress, false};
 inline constexpr FieldInfo velocity_gradient{
     "velocity_gradient", "1/s", "velocity gradient, rows velocity components", Shape::Matrix, Halo::Gradient, false};
-inline constexpr FieldInfo strain_rate{
-    "strain_rate", "1/s", "symmetric part of the velocity gradient", Shape::SymmetricTensor, Halo::Stress, false};
+inline constexpr FieldInfo strain_rate{"strain_rate",          "1/s",        "symmetric part of the velocity gradient",
+                                       Shape::SymmetricTensor, Halo::Stress, false};
 inline constexpr FieldInfo inverse_moment{"inverse_moment", "1",        "correction of the kernel gradient, M^-1",
                                           Shape::Matrix,    Halo::None, false};
 inline constexpr FieldInfo hourglass_force{"hourglass_force", "N", "force of the hourglass control", Shape::Velocity};
 inline constexpr FieldInfo hourglass_stress{
     "hourglass_stress", "Pa", "what the hourglass control adds to the stress, not symmetric", Shape::Matrix};
-inline constexpr FieldInfo contact_traction{
-    "contact_traction", "Pa", "force of the rigid bodies over the area that touches them", Shape::Velocity, Halo::None,
-    false,              true};
-inline constexpr FieldInfo layer_stretch{
-    "layer_stretch", "1", "left Cauchy-Green tensor of the metal between a centre and its surface", Shape::SymmetricTensor};
+inline constexpr FieldInfo contact_traction{"contact_traction",
+                                            "Pa",
+                                            "force of the rigid bodies over the area that touches them",
+                                            Shape::Velocity,
+                                            Halo::None,
+                                            false,
+                                            true};
+inline constexpr FieldInfo layer_stretch{"layer_stretch", "1",
+                                         "left Cauchy-Green tensor of the metal between a centre and its surface",
+                                         Shape::SymmetricTensor};
 inline constexpr FieldInfo equivalent_plastic_strain{
     "equivalent_plastic_strain", "1", "accumulated equivalent plastic strain", Shape::Scalar, Halo::None, true, true};
 inline constexpr FieldInfo plastic_strain_rate{"plastic_strain_rate",

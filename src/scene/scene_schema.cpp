@@ -152,7 +152,8 @@ void declare_time(Schema& s) {
   Schema& t = s.table("time", "time integration");
   t.real("end", "process time at which the run ends").unit("s").positive();
   t.real("cfl",
-         "Courant number: dt = cfl min(h)/(c + |v|); without it 0.8, with gradient_correction \"velocity\" 0.6 and \"full\" 0.5, which "
+         "Courant number: dt = cfl min(h)/(c + |v|); without it 0.8, with gradient_correction \"velocity\" 0.6 and "
+         "\"full\" 0.5, which "
          "are "
          "safe for every kernel (src/mechanics/README.md)")
       .range(1e-4, 3)
@@ -427,9 +428,11 @@ void declare_heat_and_output(Schema& s) {
       .unit("s")
       .not_negative()
       .optional();
-  output.texts("fields",
-               "fields in snapshots; the usual ones when missing. contact_traction, the force of rigid bodies over the "
-               "area, is recorded only where it is named here").optional();
+  output
+      .texts("fields",
+             "fields in snapshots; the usual ones when missing. contact_traction, the force of rigid bodies over the "
+             "area, is recorded only where it is named here")
+      .optional();
   output.real("checkpoint_wall_interval", "wall time between checkpoints; 0: off")
       .unit("s")
       .not_negative()

@@ -23,7 +23,7 @@ constexpr double spacing = 0.4e-3, smoothing = 1.3 * spacing, pi = std::numbers:
 struct Ring {
   Vec3 at;  ///< (r, z, 0)
   Vec3 v;
-  std::array<double, 6> s{}, extra{};
+  std::array<double, 6> s{}, extra{}, rate{};
   double section = 0, volume = 0, density = 0, sound_speed = 0;
 
   Ring(const ParticleSet& p, std::size_t i, double density_scale) {
@@ -33,6 +33,7 @@ struct Ring {
     for (int c = 0; c < 6; ++c) {
       s[c] = p.component(field::stress, c)[i];
       extra[c] = p.component(field::artificial_stress, c)[i];
+      rate[c] = p.component(field::strain_rate, c)[i];
     }
     volume = p[field::volume][i];
     section = volume / (2 * pi * at.x);
@@ -61,7 +62,14 @@ Vec3 plain_force(const std::vector<Ring>& all, std::size_t i, const MechanicsSet
     const Vec3 d = me.at - other.at, g = kernel_gradient<CubicSpline>(d, smoothing, 2);
     if (j == i || norm(d) > 2 * smoothing) continue;
     const double f = std::pow(CubicSpline::value(norm(d) / smoothing) / CubicSpline::value(spacing / smoothing), 4);
-    const double approach = (me.v.x - other.v.x) * d.x + (me.v.z - other.v.z) * d.y;
+    double approach = (me.v.x - other.v.x) * d.x + (me.v.z - other.v.z) * d.y;
+    if (settings.viscosity_reconstruction) {
+      const auto explained = [&](const Ring& ring) {
+        return ring.rate[0] * d.x * d.x + ring.rate[2] * d.y * d.y + 2 * ring.rate[4] * d.x * d.y;
+      };
+      const double sum = explained(me) + explained(other), product = explained(me) * explained(other);
+      approach = std::clamp(approach - (product > 0 ? 2 * product / sum : 0.0), std::min(approach, 0.0), 0.0);
+    }
     double q = 0;  // of the two circumferences in the mean
     if (approach < 0) {
       const double mu = smoothing * approach / (dot(d, d) + 0.01 * smoothing * smoothing);
@@ -107,6 +115,7 @@ TEST(RingOracle, ForcesAreThePlainSum) {
       settings.artificial_stress = artificial ? 0.3 : 0;
       settings.viscosity_alpha = alpha;
       settings.viscosity_beta = beta;
+      settings.viscosity_reconstruction = artificial;  // each of them is off once
       settings.density_scale = scale;
       settings.swirl_density_ratio = swirl;
       const std::vector<Ring> all = rings(p, scale);

@@ -37,7 +37,7 @@ LatticeBody disordered_body(int count, double h_over_dx, double support, double 
     for (const FieldInfo* info :
          {&field::velocity, &field::acceleration, &field::volumetric_strain, &field::stress_deviator, &field::stress,
           &field::equivalent_plastic_strain, &field::plastic_strain_rate, &field::flow_stress, &field::temperature,
-          &field::artificial_stress, &field::corrected_stress})
+          &field::artificial_stress, &field::corrected_stress, &field::strain_rate})
       particles.add(*info);
   });
   ParticleSet& p = body.particles;
@@ -57,6 +57,7 @@ LatticeBody disordered_body(int count, double h_over_dx, double support, double 
     for (int c = 0; c < S::stress_components; ++c) {
       p.component(field::stress, c)[i] = 1e8 * even(random);
       p.component(field::artificial_stress, c)[i] = 1e7 * even(random);
+      p.component(field::strain_rate, c)[i] = 3e4 * even(random);  // as what the velocities' differences amount to
     }
     for (int c = 0; c < S::velocity_components * S::dim; ++c)
       p.component(field::corrected_stress, c)[i] = 1e8 * even(random);

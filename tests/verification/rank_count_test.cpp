@@ -106,9 +106,14 @@ TEST(RankCount, EverythingOnOneStepG4) {
   }
 }
 
-TEST(RankCount, HourglassControlG4) {
-  const std::vector<std::string> overrides{"time.most_steps=4", "heat.mode=off", "numerics.gradient_correction=full",
-                                           "time.cfl=0.3", "numerics.hourglass_control=1"};
+/// Hourglass control, surface layers and reconstructed viscosity.
+TEST(RankCount, FullCorrectionAndItsCompanionsG4) {
+  const std::vector<std::string> overrides{"time.most_steps=4",
+                                           "heat.mode=off",
+                                           "numerics.gradient_correction=full",
+                                           "time.cfl=0.3",
+                                           "numerics.hourglass_control=1",
+                                           "numerics.viscosity_reconstruction=true"};
   const auto one = outcome(1, "mini_tube", overrides);
   for (int size : {2, 3, 4}) EXPECT_LT(largest_difference(one, outcome(size, "mini_tube", overrides)), 1e-11);
 }

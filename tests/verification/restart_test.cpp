@@ -68,7 +68,8 @@ INSTANTIATE_TEST_SUITE_P(G3, RestartOf,
                          ::testing::Values(Case{"mini_tube"}, Case{"meshed_tube"}, Case{"spinning_block"},
                                            Case{"mini_tube",
                                                 {"numerics.gradient_correction=full", "time.cfl=0.3",
-                                                 "numerics.hourglass_control=1"}}));
+                                                 "numerics.hourglass_control=1",
+                                                 "numerics.viscosity_reconstruction=true"}}));
 
 /// What the last partition reached decides on the next one: a run that forgot it would cut again.
 TEST(Restart, RemembersWhatThePartitionReachedG3) {
