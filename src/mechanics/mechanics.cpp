@@ -219,9 +219,13 @@ void MechanicsIn<S>::pack_momentum_records(const ParticleSet& particles, std::si
   };
   const auto with_h = [&]<bool ArtificialStress, bool Full>() {
     if constexpr (S::dim == 3)
-      if (viscosity_has_own_velocity())
+      if (viscosity_has_own_velocity()) {
+        if (reconstructs_viscosity())
+          return settings_.variable_h ? pack.template operator()<true, ArtificialStress, Full, true, true>()
+                                      : pack.template operator()<false, ArtificialStress, Full, true, true>();
         return settings_.variable_h ? pack.template operator()<true, ArtificialStress, Full, true>()
                                     : pack.template operator()<false, ArtificialStress, Full, true>();
+      }
     if (reconstructs_viscosity())
       return settings_.variable_h ? pack.template operator()<true, ArtificialStress, Full, false, true>()
                                   : pack.template operator()<false, ArtificialStress, Full, false, true>();

@@ -10,8 +10,12 @@ void MechanicsIn<Cartesian3>::sweep_momentum_without_swirl(std::size_t first, st
   const auto run = [&]<bool ArtificialStress, bool VariableH, bool Full>() {
     std::visit(
         [&]<class K>(const K&) {
-          momentum_sweep<Cartesian3, K, true, ArtificialStress, VariableH, Full, true>(
-              records_, active_, first, last, constants, force, dissipation, artificial_power);
+          if (reconstructs_viscosity())
+            momentum_sweep<Cartesian3, K, true, ArtificialStress, VariableH, Full, true, true>(
+                records_, active_, first, last, constants, force, dissipation, artificial_power);
+          else
+            momentum_sweep<Cartesian3, K, true, ArtificialStress, VariableH, Full, true>(
+                records_, active_, first, last, constants, force, dissipation, artificial_power);
         },
         settings_.kernel);
   };

@@ -318,7 +318,7 @@ void momentum_sweep(const AlignedVector& records, const ActivePairs& active, std
                     const MomentumConstants& constants, double* const* force, double* dissipation,
                     double* artificial_power) {
   constexpr int dim = S::dim, components = S::velocity_components;
-  static_assert(!Reconstruct || (Viscous && !OwnVelocity));
+  static_assert(!Reconstruct || Viscous);
   using Record = MomentumRecord<S, VariableH, ArtificialStress, Full, OwnVelocity, Reconstruct>;
   constexpr int tensor = Record::tensor, stress_size = Record::stress_size;
   [[maybe_unused]] constexpr std::array<int, 3> axis = S::axes;
@@ -409,7 +409,7 @@ void momentum_sweep(const AlignedVector& records, const ActivePairs& active, std
           if constexpr (across < S >> 0)  // the mean circumference of the two rings
             pressure *= std::numbers::pi * (abs(xi[0]) + std::abs(other[Record::x]));
           for (int a = 0; a < dim; ++a) stress[stress_slot<S, Full>(axis[a], a)] -= pressure;
-          if constexpr (Reconstruct) approach = whole;
+          if constexpr (Reconstruct && !OwnVelocity) approach = whole;
           if constexpr (OwnVelocity) {  // what it takes is decided by the whole velocity
             approach = 0.0;
             for (int a = 0; a < dim; ++a) approach += (vi[axis[a]] - other[Record::v + axis[a]]) * d[a];

@@ -130,6 +130,28 @@ long return_map(const std::vector<Material>& materials, const MaterialFields<S>&
   return iterations;
 }
 
+/// Takes the swirl around the z axis out of the strain rate of particle i, `at` in the block: of w = v - omega e_z x r
+/// with the spin omega of each particle, D_w = D - sym((e_z x r) (x) grad omega).
+template <class S>
+void without_swirl(const MaterialFields<S>& f, const typename GradientBlock<S>::Gradient& gradient, std::size_t i,
+                   std::size_t at, const Inertia& inertia) {
+  const double x = f.position[0][i], y = f.position[1][i], vx = f.velocity[0][i], vy = f.velocity[1][i];
+  const double square = x * x + y * y, core = inertia.core * inertia.core, reach = std::max(square, core);
+  const double moment = x * vy - y * vx;
+  std::array<double, 3> slope;  // grad omega
+  for (std::size_t b = 0; b < 3; ++b) slope[b] = (x * gradient[3 + b][at] - y * gradient[b][at]) / reach;
+  slope[0] += vy / reach;
+  slope[1] -= vx / reach;
+  if (square > core) {
+    slope[0] -= 2 * moment * x / (reach * reach);
+    slope[1] -= 2 * moment * y / (reach * reach);
+  }
+  const std::array<double, 3> turn{-y, x, 0};
+  for (int a = 0; a < 3; ++a)
+    for (int b = a; b < 3; ++b)
+      f.strain_rate[symmetric_index(a, b)][i] -= 0.5 * (turn[a] * slope[b] + turn[b] * slope[a]);
+}
+
 }  // namespace
 
 /// A cluster at a time: trial stress in lanes, the return map particle by particle, the rest in lanes again.
@@ -220,6 +242,10 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
             store_lanes(0.5 * (load(&block.gradient[S::axes[a] * dim + b][at - first]) +
                                load(&block.gradient[S::axes[b] * dim + a][at - first])),
                         f.strain_rate[in_plane_index<S>(a, b)] + at, filled);
+      if constexpr (S::dim == 3)
+        if (reconstructs_viscosity() && viscosity_has_own_velocity())
+          for (std::size_t lane = 0; lane < filled; ++lane)
+            without_swirl(f, block.gradient, at + lane, at - first + lane, inertia_);
       if (keeps_gradient())
         for (int a = 0; a < dim; ++a)
           for (int b = 0; b < dim; ++b)

@@ -78,10 +78,6 @@ void read_numerics(const Parameters& root, Scene& scene) {
   m.swirl_inertia = n.text("inertia") == "full";
   m.swirl_density_ratio = n.real("swirl_density_ratio");
   m.viscosity_without_swirl = n.text("viscosity_velocity") == "no_swirl";
-  if (m.viscosity_reconstruction && m.viscosity_without_swirl && scene.space.index() == Space(Cartesian3{}).index())
-    n.fail("viscosity_reconstruction",
-           "in three dimensions the viscosity without swirl has no strain rate of its own. Take viscosity_velocity = "
-           "\"full\", or false here.");
   if (m.swirl_density_ratio < 1 && m.swirl_inertia)
     n.fail("swirl_density_ratio",
            "a swirl that is lighter than other motion needs inertia = \"no_swirl\": its "
