@@ -151,6 +151,10 @@ Contact::Touch Contact::touch(const ContactPair& pair, const ParticleSet& partic
 
 void Contact::press(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel) {
   contact_step_ = std::max(contact_step_, dt);
+  // The layers' stress of a step acts while the velocity goes from its half to the next: their work is that at the mean
+  // of the two gradients, and this is the second of those of the step before.
+  ledger_.normal += 0.5 * dt * layer_->power(particles);
+  layer_->unload(particles);
   layer_->advance(particles, dt);
   renew_candidates(particles, bodies, travel);
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
@@ -167,6 +171,7 @@ void Contact::press(ParticleSet& particles, const std::vector<RigidBody>& bodies
       layer_->load(particles, i, surface.normal, touch.thickness, touch.force(opening));
     }
   }
+  ledger_.normal += 0.5 * dt * layer_->power(particles);
 }
 
 void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel,
@@ -242,7 +247,7 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
       const double friction_power = -dot(friction, tangential);
       ledger_.external += dot(force, surface_velocity) * dt;
       ledger_.friction += friction_power * dt;
-      ledger_.normal -= normal_force * (dot(mean, n) + touch.layer_opening) * dt;
+      ledger_.normal -= normal_force * dot(mean, n) * dt;
 
       Vec3 torque = cross(foot - rigid.pose.axis_point(), force), resultant = force;
       if (inertia_.axisymmetric) resultant.x = resultant.y = torque.x = torque.y = 0;  // of the whole ring

@@ -83,10 +83,32 @@ double SurfaceLayer::opening(const ParticleSet& particles, std::size_t i, const 
   return thickness * rate;
 }
 
+void SurfaceLayer::unload(ParticleSet& particles) const {
+  for (int a = 0; a < layout_.dim; ++a)
+    for (int b = a; b < layout_.dim; ++b) {
+      const auto moment = particles.component(field::layer_moment, slot(layout_, a, b));
+      std::fill(moment.begin(), moment.end(), 0.0);
+    }
+}
+
+double SurfaceLayer::power(const ParticleSet& particles) const {
+  double power = 0;
+  for (int a = 0; a < layout_.dim; ++a)
+    for (int b = 0; b < layout_.dim; ++b) {
+      const auto moment = particles.component(field::layer_moment, slot(layout_, a, b)),
+                 gradient = particles.component(field::velocity_gradient, layout_.axes[a] * layout_.dim + b);
+      for (std::size_t i = 0; i < particles.owned(); ++i) power += moment[i] * gradient[i];
+    }
+  return power;
+}
+
 void SurfaceLayer::load(ParticleSet& particles, std::size_t i, const Vec3& n, double thickness, double force) const {
   const int dim = layout_.dim;
-  const double stress = thickness * force / particles[field::volume][i];
+  const double moment = thickness * force, stress = moment / particles[field::volume][i];
   for (int b = 0; b < dim; ++b) {
+    for (int a = 0; a <= b; ++a)
+      particles.component(field::layer_moment, slot(layout_, a, b))[i] +=
+          moment * n[layout_.axes[a]] * n[layout_.axes[b]];
     double corrected = 0;
     for (int c = 0; c < dim; ++c)
       corrected += n[layout_.axes[c]] * particles.component(field::inverse_moment, layout_.axes[c] * dim + b)[i];

@@ -27,7 +27,10 @@ class SurfaceLayer {
  public:
   SurfaceLayer(const SpaceLayout& layout, double spacing) : layout_(layout), half_(0.5 * spacing) {}
 
-  static void add_fields(ParticleSet& particles) { particles.add(field::layer_stretch); }
+  static void add_fields(ParticleSet& particles) {
+    particles.add(field::layer_stretch);
+    particles.add(field::layer_moment);
+  }
   /// Undeformed layers.
   void initialise(ParticleSet& particles) const;
   /// Over the step dt [s] with field::velocity_gradient and field::plastic_strain_rate.
@@ -38,6 +41,10 @@ class SurfaceLayer {
   double thickness(const ParticleSet& particles, std::size_t i, const Vec3& n) const;
   /// Rate of its thickness at the present strain rate, a n.L n [m/s].
   double opening(const ParticleSet& particles, std::size_t i, const Vec3& n, double thickness) const;
+  /// Forgets the forces of the step before.
+  void unload(ParticleSet& particles) const;
+  /// Power [W] of the layers' forces in the present velocity gradient, of this rank: negative where they are squeezed.
+  double power(const ParticleSet& particles) const;
   /// Adds the stress of a normal force [N] on particle i at its surface to field::corrected_stress.
   void load(ParticleSet& particles, std::size_t i, const Vec3& n, double thickness, double force) const;
 

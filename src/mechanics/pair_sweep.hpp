@@ -50,7 +50,7 @@ constexpr int padded_record(int size) { return (size + 7) / 8 * 8; }
 /// (cubic spline), in disorder up to 14; a chip of a dozen particles has more. With the plain momentum sum such a
 /// correction is a gain from velocity to stress that the forces do not have, and feeds the chip until it explodes; with
 /// the full one it asks for smaller steps than the rest of the body.
-inline constexpr double largest_correction = 15;
+inline constexpr double largest_correction = 50;
 
 /// Keeps r away from zero for the particle itself; (1e-30 m)^2, far below any spacing.
 inline constexpr double tiny_square = 1e-60;

@@ -65,6 +65,9 @@ inline constexpr FieldInfo contact_traction{"contact_traction",
                                             Halo::None,
                                             false,
                                             true};
+inline constexpr FieldInfo layer_moment{"layer_moment", "J",
+                                        "normal forces of contact times their distances from the centre, F a n (x) n",
+                                        Shape::SymmetricTensor};
 inline constexpr FieldInfo layer_stretch{"layer_stretch", "1",
                                          "left Cauchy-Green tensor of the metal between a centre and its surface",
                                          Shape::SymmetricTensor};

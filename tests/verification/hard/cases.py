@@ -288,7 +288,7 @@ CASES = [
     Case("K2", "extrusion past a sharp die corner of 60 degrees", "T1", "wedge_die.toml",
          "Hill's slip-line field of a frictionless wedge die: ram pressure 2 k r (1 + a) = 397.2 MPa [M]; exit by volume [E]",
          wedge_die, {"ram force": 0.05, "exit thickness": 0.05, "exit speed": 0.05, **SOUND}, REASONED,
-         spacings=(0.4, 0.2, 0.1), target_spacing=0.2),
+         spacings=(0.4, 0.2, 0.1)),
     Case("K4", "plastic heating through the melting temperature", "T0", "melting_shear.toml",
          "adiabatic shear with linear softening and residual strength, closed form [E]", sheared_through_melting,
          {"temperature": 0.01, "strength left": 0.01, "plastic strain": 0.01, **SOUND}, REASONED),
@@ -343,7 +343,10 @@ CASES = [
          "torque 2/3 mu F R [E] for a tool as wide as the billet (39.0 N m), up to 1.08 of it (34.32 N m) for a narrower "
          "one [N]",
          turning_tool, G2_TARGETS, CATALOGUE + "; torque revised: the catalogue's 34.32 N m is for a uniform pressure",
-         spacings=(5 / 6, 5 / 12), target_spacing=5 / 6, variants=G2_VARIANTS),
+         spacings=(5 / 6, 5 / 12), target_spacing=5 / 6, variants=G2_VARIANTS,
+         diagnosis="Met at the catalogue's spacing. At half of it the means of force and torque over the second half of the variant that lifts off "
+         "differ by 1.2 %, with 1 % allowed: contact is made anew 20 times a second and each blow peaks at 1.3 times the force of the coarse run, so "
+         "the mean over so few blows scatters; without lift-off they drift by 1e-6."),
     Case("G2.1", "long run under a turning tool, 1e6 steps", "T2", "g2_turning_tool.toml", "as G2", turning_tool, G2_TARGETS,
          CATALOGUE, spacings=(5 / 6,), overrides=lambda spacing: {"time.most_steps": "1000000"}, variants=G2_VARIANTS),
     Case("G2.2", "tool that sinks into hot metal, 1e5 steps", "T1", "g2_turning_tool.toml",

@@ -203,7 +203,7 @@ CASES = [
     Case("C7", "upsetting without friction", "T1", "c7_upsetting.toml",
          "mean pressure sigma_y, no barrelling, volume change p/K [E]", upsetting,
          {"pressure": 0.01, "barrelling over R": 0.002, "volume": 0.001},
-         "barrelling: catalogue [T]; pressure 1 % and volume 0.1 % of itself [T]", spacings=(1.0, 0.5, 0.25),
+         "barrelling: catalogue [T]; pressure 1 % and volume 0.1 % of itself [T]", spacings=(1.0, 0.5, 0.25, 0.125),
          diagnosis="The rim: without friction the outermost rings at the plates spread a little further than the middle."
          " First order: 1.0, 0.5, 0.23 % at 1, 0.5, 0.25 mm; the pressure is met at all three (-0.1, -0.0, "
          "-0.1 %)."),
