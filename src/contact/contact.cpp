@@ -23,7 +23,8 @@ Contact::Contact(std::vector<ContactPair> pairs, const SpaceLayout& layout, doub
       spacing_(spacing),
       materials_(std::move(materials)),
       inertia_(inertia),
-      candidates_(pairs_.size()) {
+      candidates_(pairs_.size()),
+      touches_(pairs_.size()) {
   if (surface_layers) layer_.emplace(layout, spacing);
 }
 
@@ -33,9 +34,10 @@ double Contact::area_of(double volume, double radius) const {
   return circumference * std::sqrt(volume / circumference);
 }
 
-double Contact::lever(const Vec3& x, const SurfacePoint& surface) const {
-  if (!inertia_.axisymmetric || x.x < inertia_.core) return 1;
-  return (x.x - surface.distance * surface.normal.x) / x.x;
+double Contact::lever(const Touch& touch) const {
+  const double radius = touch.position.x;
+  if (!inertia_.axisymmetric || radius < inertia_.core) return 1;
+  return (radius - touch.distance * touch.normal.x) / radius;
 }
 
 Vec3 Contact::sticking(const Vec3& x, const Vec3& slip, double lever, double mass, double dt) const {
@@ -132,52 +134,60 @@ void Contact::renew_candidates(const ParticleSet& particles, const std::vector<R
   budget_ = margin();
 }
 
-Contact::Touch Contact::touch(const ContactPair& pair, const ParticleSet& particles, std::size_t i,
-                              const SurfacePoint& surface) const {
-  Touch touch;
-  const double volume = particles[field::volume][i];
-  touch.thickness = layer_ ? layer_->thickness(particles, i, surface.normal) : 0.5 * spacing_;
-  touch.depth = touch.thickness - surface.distance;
-  if (touch.depth <= 0) return touch;
-  touch.area = layer_ ? volume / (2 * touch.thickness) : area_of(volume, particles.component(field::position, 0)[i]);
-  const ContactMaterial& metal = materials_[static_cast<std::size_t>(particles[field::material][i])];
-  const double inertia = particles[field::mass][i] * inertia_.scale;
-  touch.stiffness = std::max(pair.penalty_scale * metal.youngs_modulus * touch.area / spacing_,
-                             pair.soft_scale * inertia / (contact_step_ * contact_step_));
-  touch.damping = 2 * pair.damping * std::sqrt(touch.stiffness * inertia);
-  if (layer_) touch.layer_opening = -layer_->opening(particles, i, surface.normal, touch.thickness);
-  return touch;
+void Contact::find_touches(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel,
+                           const LayerArrays* layers) {
+  contact_step_ = std::max(contact_step_, dt);
+  renew_candidates(particles, bodies, travel);
+  const double* const volume = particles[field::volume].data();
+  const double* const mass = particles[field::mass].data();
+  const double* const material = particles[field::material].data();
+  for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    const ContactPair& pair = pairs_[p];
+    const RigidPose& pose = bodies[pair.rigid].pose;
+    const PlacedBody placed(bodies[pair.rigid]);
+    touches_[p].clear();
+    for (const std::int32_t i : candidates_[p]) {
+      Touch touch;
+      touch.particle = i;
+      touch.position = particles.vector_at(field::position, i);
+      const SurfacePoint surface = placed.nearest(touch.position);
+      touch.normal = surface.normal;
+      touch.distance = surface.distance;
+      touch.thickness = layers ? layer_->thickness(*layers, i, touch.normal) : 0.5 * spacing_;
+      if (touch.depth() <= 0) continue;
+      touch.foot = inertia_.axisymmetric ? touch.position - touch.distance * touch.normal : touch.position;
+      touch.surface_velocity = pose.velocity_at(touch.foot);
+      touch.area = layers ? volume[i] / (2 * touch.thickness) : area_of(volume[i], touch.position.x);
+      const ContactMaterial& metal = materials_[static_cast<std::size_t>(material[i])];
+      const double inertia = mass[i] * inertia_.scale;
+      const double stiffness = std::max(pair.penalty_scale * metal.youngs_modulus * touch.area / spacing_,
+                                        pair.soft_scale * inertia / (contact_step_ * contact_step_)),
+                   damping = 2 * pair.damping * std::sqrt(stiffness * inertia);
+      // The particle's surface moves away from the body as its centre does, less what its layer opens.
+      double opening = dot(particles.vector_at(field::velocity, i) - touch.surface_velocity, touch.normal);
+      if (layers) opening -= layer_->opening(*layers, i, touch.normal, touch.thickness);
+      touch.force = std::max(0.0, stiffness * touch.depth() - damping * opening);
+      touches_[p].push_back(touch);
+    }
+  }
 }
 
 void Contact::press(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel) {
-  contact_step_ = std::max(contact_step_, dt);
+  const LayerArrays arrays = layer_->arrays(particles);
   // The layers' stress of a step acts while the velocity goes from its half to the next: their work is that at the mean
   // of the two gradients, and this is the second of those of the step before.
-  ledger_.normal += 0.5 * dt * layer_->power(particles);
-  layer_->unload(particles);
-  layer_->advance(particles, dt);
-  renew_candidates(particles, bodies, travel);
-  for (std::size_t p = 0; p < pairs_.size(); ++p) {
-    const RigidBody& rigid = bodies[pairs_[p].rigid];
-    const PlacedBody placed(rigid);
-    for (const std::int32_t i : candidates_[p]) {
-      const Vec3 x = particles.vector_at(field::position, i);
-      const SurfacePoint surface = placed.nearest(x);
-      const Touch touch = this->touch(pairs_[p], particles, i, surface);
-      if (touch.depth <= 0) continue;
-      const Vec3 foot = inertia_.axisymmetric ? x - surface.distance * surface.normal : x;
-      const double opening =
-          dot(particles.vector_at(field::velocity, i) - rigid.pose.velocity_at(foot), surface.normal);
-      layer_->load(particles, i, surface.normal, touch.thickness, touch.force(opening));
-    }
-  }
-  ledger_.normal += 0.5 * dt * layer_->power(particles);
+  ledger_.normal += 0.5 * dt * layer_->power(arrays);
+  layer_->unload(arrays);
+  layer_->advance(arrays, dt);
+  find_touches(particles, bodies, dt, travel, &arrays);
+  for (const std::vector<Touch>& touches : touches_)
+    for (const Touch& touch : touches) layer_->load(arrays, touch.particle, touch.normal, touch.thickness, touch.force);
+  ledger_.normal += 0.5 * dt * layer_->power(arrays);
 }
 
 void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel,
                     bool heat_input) {
-  contact_step_ = std::max(contact_step_, dt);
-  renew_candidates(particles, bodies, travel);
+  if (!layer_) find_touches(particles, bodies, dt, travel, nullptr);
   loads_.assign(bodies.size(), {});
 
   std::array<double*, 3> a{}, v{};
@@ -200,7 +210,6 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     const ContactPair& pair = pairs_[p];
     const RigidBody& rigid = bodies[pair.rigid];
-    const PlacedBody placed(rigid);
     ContactLoad& load = loads_[pair.rigid];
     const auto own_component = [&](const FieldInfo& info) {
       return pair.heat_component >= 0 && particles.has(info) ? particles.component(info, pair.heat_component).data()
@@ -208,14 +217,11 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
     };
     double* const body_heat = own_component(field::rigid_heat);
     double* const impulse = own_component(field::rigid_impulse);
-    for (const std::int32_t i : candidates_[p]) {
-      const Vec3 x = particles.vector_at(field::position, i);
-      const SurfacePoint surface = placed.nearest(x);
-      const Touch touch = this->touch(pair, particles, i, surface);
-      if (touch.depth <= 0) continue;
-      const Vec3 n = surface.normal;
+    for (const Touch& touch : touches_[p]) {
+      const std::int32_t i = touch.particle;
+      const Vec3 &x = touch.position, &n = touch.normal, &surface_velocity = touch.surface_velocity;
       const int material = static_cast<int>(material_of[i]);
-      const double arm = lever(x, surface);
+      const double arm = lever(touch), normal_force = touch.force;
       Vec3 half_velocity, acceleration;
       for (int d = 0; d < components; ++d) {
         half_velocity[d] = v[d][i];
@@ -223,11 +229,6 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
       }
       half_velocity = with_swirl(half_velocity, arm);  // of the particle's metal at the surface
       acceleration = with_swirl(acceleration, arm);
-      const Vec3 foot = inertia_.axisymmetric ? x - surface.distance * n : x;
-      const Vec3 surface_velocity = rigid.pose.velocity_at(foot);
-      const double opening = dot(half_velocity - surface_velocity, n);
-      const double normal_force = touch.force(opening);
-
       const Vec3 coming = half_velocity + dt * acceleration - surface_velocity;
       const Vec3 slip = coming - dot(coming, n) * n;
       const double touching = touch.area * arm;
@@ -249,7 +250,7 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
       ledger_.friction += friction_power * dt;
       ledger_.normal -= normal_force * dot(mean, n) * dt;
 
-      Vec3 torque = cross(foot - rigid.pose.axis_point(), force), resultant = force;
+      Vec3 torque = cross(touch.foot - rigid.pose.axis_point(), force), resultant = force;
       if (inertia_.axisymmetric) resultant.x = resultant.y = torque.x = torque.y = 0;  // of the whole ring
       load.force -= resultant;
       load.torque -= torque;
@@ -258,7 +259,7 @@ void Contact::apply(ParticleSet& particles, const std::vector<RigidBody>& bodies
       load.surface_speed += norm(surface_velocity - dot(surface_velocity, n) * n);
       load.area += touching;
       load.normal_force += normal_force;
-      load.penetration = std::max(load.penetration, touch.depth);
+      load.penetration = std::max(load.penetration, touch.depth());
       const double heat = pair.heat_conversion * friction_power * dt;
       const double share = pair.heat_share.empty() ? 1.0 : pair.heat_share[material];
       if (heat_field) {

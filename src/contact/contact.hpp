@@ -86,11 +86,11 @@ class Contact {
 
   /// Adds contact accelerations to the field `acceleration`, which must already hold all other forces, and friction
   /// heat; also the normal impulse where the particles have field::rigid_impulse. `travel` [m]: upper bound of how far
-  /// any particle or body surface moved since the last call. dt [s].
+  /// any particle or body surface moved since the last call. dt [s]. With surface layers it needs what press() found.
   void apply(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel, bool heat_input);
-  /// With surface layers, after the stress update and at the positions of the apply() that follows: deforms the layers
-  /// and adds the stress that the normal forces have in them to field::corrected_stress. `travel` as in apply(), which
-  /// then is told 0.
+  /// With surface layers, after the stress update and at the positions and velocities of the apply() that follows:
+  /// deforms the layers and adds the stress that the normal forces have in them to field::corrected_stress. `travel` as
+  /// in apply().
   void press(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel);
 
   /// Per pair the owned particles that contact has to look at while candidate lists live, at these positions.
@@ -121,23 +121,25 @@ class Contact {
   void renew_candidates(const ParticleSet& particles, const std::vector<RigidBody>& bodies, double travel);
   /// m2 that a particle covers on a surface; of a ring all around, in plane strain per metre of depth.
   double area_of(double volume, double radius) const;
-  /// How a particle touches a body: what press() and apply() both need.
+  /// How a particle touches a body.
   struct Touch {
-    double thickness = 0;      ///< m from the centre to the surface
-    double depth = 0;          ///< m; the rest is set only where it is positive
-    double area = 0;           ///< m2
-    double stiffness = 0;      ///< N/m
-    double damping = 0;        ///< N s/m
-    double layer_opening = 0;  ///< m/s that the particle's surface moves along the normal more than its centre
-    /// Normal force [N] while the centre moves away from the body with `opening` [m/s].
-    double force(double opening) const {
-      return std::max(0.0, stiffness * depth - damping * (opening + layer_opening));
-    }
+    std::int32_t particle = 0;
+    Vec3 position;          ///< m, of the centre
+    Vec3 normal;            ///< out of the body
+    double distance = 0;    ///< m from the body's surface to the centre
+    double thickness = 0;   ///< m from the centre to the particle's surface
+    Vec3 foot;              ///< m, where the body's surface is touched (its velocity and arm are taken there)
+    Vec3 surface_velocity;  ///< m/s of the body at the foot
+    double area = 0;        ///< m2
+    double force = 0;       ///< N, normal
+    double depth() const { return thickness - distance; }
   };
-  Touch touch(const ContactPair& pair, const ParticleSet& particles, std::size_t i, const SurfacePoint& surface) const;
+  /// Fills touches_ at the present positions and velocities.
+  void find_touches(ParticleSet& particles, const std::vector<RigidBody>& bodies, double dt, double travel,
+                    const LayerArrays* layers);
   /// Radius of the touched surface over that of a ring: the surface's friction has that area and arm, the metal between
   /// it and the ring's centre passes its torque on. 1 in other spaces, where a particle has no moment to take one by.
-  double lever(const Vec3& x, const SurfacePoint& surface) const;
+  double lever(const Touch& touch) const;
   /// Friction [N] at the surface that brings a slip [m/s] there to rest, which all other forces would leave at the end
   /// of the kick: friction never reverses the slip and a held particle does not creep, also where inertia depends on
   /// the direction.
@@ -162,6 +164,7 @@ class Contact {
   long searches_ = 0;
   double budget_ = 0;  ///< m that may still be travelled before a new particle could touch
   std::vector<std::vector<std::int32_t>> candidates_;
+  std::vector<std::vector<Touch>> touches_;  ///< per pair
   std::vector<ContactLoad> loads_;
   ContactLedger ledger_;
 };

@@ -4,117 +4,144 @@
 #include <cmath>
 
 #include "base/tensor.hpp"
-#include "particles/field_names.hpp"
 
 namespace stirsph {
 
 namespace {
 
-using Square = std::array<std::array<double, 3>, 3>;  ///< by components of a position
+template <int dim>
+using Square = std::array<std::array<double, dim>, dim>;
 
-int slot(const SpaceLayout& layout, int i, int j) {
-  return symmetric_index(std::min(layout.axes[i], layout.axes[j]), std::max(layout.axes[i], layout.axes[j]));
-}
-
-Square velocity_gradient(const ParticleSet& particles, const SpaceLayout& layout, std::size_t i) {
-  Square gradient{};
-  for (int a = 0; a < layout.dim; ++a)
-    for (int b = 0; b < layout.dim; ++b)
-      gradient[a][b] = particles.component(field::velocity_gradient, layout.axes[a] * layout.dim + b)[i];
-  return gradient;
-}
-
-/// Determinant of the part of a space's dimensions.
-double determinant(const Square& m, int dim) {
-  if (dim == 2) return m[0][0] * m[1][1] - m[0][1] * m[1][0];
+double determinant(const Square<2>& m) { return m[0][0] * m[1][1] - m[0][1] * m[1][0]; }
+double determinant(const Square<3>& m) {
   return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
          m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+}
+
+/// The factor of each direction in a factor of all `dim` of them.
+template <int dim>
+double per_direction(double factor) {
+  return dim == 2 ? std::sqrt(factor) : std::cbrt(factor);
+}
+
+/// b = (1 + dt L) b (1 + dt L)^T.
+template <int dim>
+void deform(const LayerArrays& arrays, double dt) {
+  const LayerArrays::Matrix<double> stretch = arrays.stretch;
+  const LayerArrays::Matrix<const double> gradient = arrays.velocity_gradient;
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < arrays.owned; ++i) {
+    Square<dim> step{}, half{};
+    for (int a = 0; a < dim; ++a)
+      for (int b = 0; b < dim; ++b) step[a][b] = dt * gradient[a][b][i] + (a == b ? 1.0 : 0.0);
+    for (int a = 0; a < dim; ++a)
+      for (int b = 0; b < dim; ++b)
+        for (int c = 0; c < dim; ++c) half[a][b] += step[a][c] * stretch[c][b][i];
+    for (int a = 0; a < dim; ++a)
+      for (int b = a; b < dim; ++b) {
+        double next = 0;
+        for (int c = 0; c < dim; ++c) next += half[a][c] * step[b][c];
+        stretch[a][b][i] = next;
+      }
+  }
+}
+
+/// Where metal flows, b goes towards the isotropic tensor of its volume, which it keeps.
+template <int dim>
+void forget(const LayerArrays& arrays, double dt) {
+  const LayerArrays::Matrix<double>& stretch = arrays.stretch;
+  for (std::size_t i = 0; i < arrays.owned; ++i) {
+    const double strain = arrays.plastic_strain_rate[i] * dt;
+    if (strain == 0) continue;
+    const double forgotten = strain / (1 + strain);  // implicit: stable at any strain of a step
+    Square<dim> b{};
+    for (int row = 0; row < dim; ++row)
+      for (int column = 0; column < dim; ++column) b[row][column] = stretch[row][column][i];
+    const double volume = determinant(b), isotropic = per_direction<dim>(volume);
+    for (int row = 0; row < dim; ++row)
+      for (int column = 0; column < dim; ++column)
+        b[row][column] += forgotten * ((row == column ? isotropic : 0.0) - b[row][column]);
+    const double keep_volume = per_direction<dim>(volume / determinant(b));
+    for (int row = 0; row < dim; ++row)
+      for (int column = row; column < dim; ++column) stretch[row][column][i] = keep_volume * b[row][column];
+  }
 }
 
 }  // namespace
 
 void SurfaceLayer::initialise(ParticleSet& particles) const {
-  for (int a = 0; a < layout_.dim; ++a) {
-    const auto diagonal = particles.component(field::layer_stretch, slot(layout_, a, a));
-    std::fill(diagonal.begin(), diagonal.end(), 1.0);
-  }
-}
-
-void SurfaceLayer::advance(ParticleSet& particles, double dt) const {
-  const int dim = layout_.dim;
-  const auto plastic_rate = particles[field::plastic_strain_rate];
-  std::array<std::array<double*, 3>, 3> stretch{};
-  for (int a = 0; a < dim; ++a)
-    for (int b = 0; b < dim; ++b) stretch[a][b] = particles.component(field::layer_stretch, slot(layout_, a, b)).data();
-  for (std::size_t i = 0; i < particles.owned(); ++i) {
-    Square step = velocity_gradient(particles, layout_, i), half{}, next{};
-    for (int a = 0; a < dim; ++a)
-      for (int b = 0; b < dim; ++b) step[a][b] = dt * step[a][b] + (a == b ? 1.0 : 0.0);
-    for (int a = 0; a < dim; ++a)
-      for (int b = 0; b < dim; ++b)
-        for (int c = 0; c < dim; ++c) half[a][b] += step[a][c] * stretch[c][b][i];
-    for (int a = 0; a < dim; ++a)
-      for (int b = 0; b < dim; ++b)
-        for (int c = 0; c < dim; ++c) next[a][b] += half[a][c] * step[b][c];
-    const double forgotten = 1 - std::exp(-plastic_rate[i] * dt), volume = determinant(next, dim),
-                 isotropic = std::pow(volume, 1.0 / dim);
-    for (int a = 0; a < dim; ++a)
-      for (int b = 0; b < dim; ++b) next[a][b] += forgotten * ((a == b ? isotropic : 0.0) - next[a][b]);
-    const double keep_volume = forgotten > 0 ? std::pow(volume / determinant(next, dim), 1.0 / dim) : 1.0;
-    for (int a = 0; a < dim; ++a)
-      for (int b = a; b < dim; ++b) stretch[a][b][i] = keep_volume * next[a][b];
-  }
-}
-
-double SurfaceLayer::thickness(const ParticleSet& particles, std::size_t i, const Vec3& n) const {
-  double square = 0;
   for (int a = 0; a < layout_.dim; ++a)
-    for (int b = 0; b < layout_.dim; ++b)
-      square +=
-          n[layout_.axes[a]] * n[layout_.axes[b]] * particles.component(field::layer_stretch, slot(layout_, a, b))[i];
+    std::ranges::fill(particles.component(field::layer_stretch, layout_.axes[a]), 1.0);
+}
+
+LayerArrays SurfaceLayer::arrays(ParticleSet& particles) const {
+  LayerArrays arrays;
+  const int dim = layout_.dim;
+  for (int a = 0; a < dim; ++a)
+    for (int b = 0; b < dim; ++b) {
+      const int row = layout_.axes[a], column = layout_.axes[b];
+      const int symmetric = symmetric_index(std::min(row, column), std::max(row, column)), in_space = row * dim + b;
+      arrays.stretch[a][b] = particles.component(field::layer_stretch, symmetric).data();
+      arrays.moment[a][b] = particles.component(field::layer_moment, symmetric).data();
+      arrays.corrected_stress[a][b] = particles.component(field::corrected_stress, in_space).data();
+      arrays.velocity_gradient[a][b] = particles.component(field::velocity_gradient, in_space).data();
+      arrays.inverse_moment[a][b] = particles.component(field::inverse_moment, in_space).data();
+    }
+  arrays.volume = particles[field::volume].data();
+  arrays.plastic_strain_rate = particles[field::plastic_strain_rate].data();
+  arrays.owned = particles.owned();
+  return arrays;
+}
+
+void SurfaceLayer::advance(const LayerArrays& arrays, double dt) const {
+  if (layout_.dim == 2) {
+    deform<2>(arrays, dt);
+    forget<2>(arrays, dt);
+  } else {
+    deform<3>(arrays, dt);
+    forget<3>(arrays, dt);
+  }
+}
+
+template <class T>
+double SurfaceLayer::along(const LayerArrays::Matrix<T>& tensor, std::size_t i, const Vec3& n) const {
+  double sum = 0;
+  for (int a = 0; a < layout_.dim; ++a)
+    for (int b = 0; b < layout_.dim; ++b) sum += n[layout_.axes[a]] * tensor[a][b][i] * n[layout_.axes[b]];
+  return sum;
+}
+
+double SurfaceLayer::thickness(const LayerArrays& arrays, std::size_t i, const Vec3& n) const {
+  const double square = along(arrays.stretch, i, n);
   return std::clamp(std::sqrt(std::max(square, 0.0)), thinnest_layer, thickest_layer) * half_;
 }
 
-double SurfaceLayer::opening(const ParticleSet& particles, std::size_t i, const Vec3& n, double thickness) const {
-  const Square gradient = velocity_gradient(particles, layout_, i);
-  double rate = 0;
-  for (int a = 0; a < layout_.dim; ++a)
-    for (int b = 0; b < layout_.dim; ++b) rate += n[layout_.axes[a]] * gradient[a][b] * n[layout_.axes[b]];
-  return thickness * rate;
+double SurfaceLayer::opening(const LayerArrays& arrays, std::size_t i, const Vec3& n, double thickness) const {
+  return thickness * along(arrays.velocity_gradient, i, n);
 }
 
-void SurfaceLayer::unload(ParticleSet& particles) const {
+void SurfaceLayer::unload(const LayerArrays& arrays) const {
   for (int a = 0; a < layout_.dim; ++a)
-    for (int b = a; b < layout_.dim; ++b) {
-      const auto moment = particles.component(field::layer_moment, slot(layout_, a, b));
-      std::fill(moment.begin(), moment.end(), 0.0);
-    }
+    for (int b = a; b < layout_.dim; ++b) std::fill_n(arrays.moment[a][b], arrays.owned, 0.0);
 }
 
-double SurfaceLayer::power(const ParticleSet& particles) const {
+double SurfaceLayer::power(const LayerArrays& arrays) const {
   double power = 0;
   for (int a = 0; a < layout_.dim; ++a)
-    for (int b = 0; b < layout_.dim; ++b) {
-      const auto moment = particles.component(field::layer_moment, slot(layout_, a, b)),
-                 gradient = particles.component(field::velocity_gradient, layout_.axes[a] * layout_.dim + b);
-      for (std::size_t i = 0; i < particles.owned(); ++i) power += moment[i] * gradient[i];
-    }
+    for (int b = 0; b < layout_.dim; ++b)
+      for (std::size_t i = 0; i < arrays.owned; ++i)
+        power += arrays.moment[a][b][i] * arrays.velocity_gradient[a][b][i];
   return power;
 }
 
-void SurfaceLayer::load(ParticleSet& particles, std::size_t i, const Vec3& n, double thickness, double force) const {
+void SurfaceLayer::load(const LayerArrays& arrays, std::size_t i, const Vec3& n, double thickness, double force) const {
   const int dim = layout_.dim;
-  const double moment = thickness * force, stress = moment / particles[field::volume][i];
+  const double moment = thickness * force, stress = moment / arrays.volume[i];
   for (int b = 0; b < dim; ++b) {
-    for (int a = 0; a <= b; ++a)
-      particles.component(field::layer_moment, slot(layout_, a, b))[i] +=
-          moment * n[layout_.axes[a]] * n[layout_.axes[b]];
+    for (int a = 0; a <= b; ++a) arrays.moment[a][b][i] += moment * n[layout_.axes[a]] * n[layout_.axes[b]];
     double corrected = 0;
-    for (int c = 0; c < dim; ++c)
-      corrected += n[layout_.axes[c]] * particles.component(field::inverse_moment, layout_.axes[c] * dim + b)[i];
-    for (int a = 0; a < dim; ++a)
-      particles.component(field::corrected_stress, layout_.axes[a] * dim + b)[i] +=
-          stress * n[layout_.axes[a]] * corrected;
+    for (int c = 0; c < dim; ++c) corrected += n[layout_.axes[c]] * arrays.inverse_moment[c][b][i];
+    for (int a = 0; a < dim; ++a) arrays.corrected_stress[a][b][i] += stress * n[layout_.axes[a]] * corrected;
   }
 }
 

@@ -14,6 +14,8 @@
 /// L and the stress must be adjoint to each other and exact at a surface: gradient_correction = "full".
 #pragma once
 
+#include <array>
+
 #include "particles/field_names.hpp"
 #include "particles/particle_set.hpp"
 
@@ -22,6 +24,18 @@ namespace stirsph {
 /// Layers that are thinner or thicker than this, over half a spacing, count as such: particles that were drawn out far
 /// have found others beside them.
 inline constexpr double thinnest_layer = 0.5, thickest_layer = 1.25;
+
+/// The arrays of a particle set that layers live in, looked up once for many particles. Rows and columns are components
+/// of a position; they are valid until the set changes.
+struct LayerArrays {
+  template <class T>
+  using Matrix = std::array<std::array<T*, 3>, 3>;
+  Matrix<double> stretch{}, moment{}, corrected_stress{};
+  Matrix<const double> velocity_gradient{}, inverse_moment{};
+  const double* volume = nullptr;
+  const double* plastic_strain_rate = nullptr;
+  std::size_t owned = 0;
+};
 
 class SurfaceLayer {
  public:
@@ -33,22 +47,28 @@ class SurfaceLayer {
   }
   /// Undeformed layers.
   void initialise(ParticleSet& particles) const;
-  /// Over the step dt [s] with field::velocity_gradient and field::plastic_strain_rate.
-  void advance(ParticleSet& particles, double dt) const;
+  LayerArrays arrays(ParticleSet& particles) const;
+
+  /// Over the step dt [s] with the velocity gradient and the plastic strain rate.
+  void advance(const LayerArrays& arrays, double dt) const;
 
   double thickest() const { return thickest_layer * half_; }  ///< m
   /// Of particle i in the direction n (unit vector) [m].
-  double thickness(const ParticleSet& particles, std::size_t i, const Vec3& n) const;
+  double thickness(const LayerArrays& arrays, std::size_t i, const Vec3& n) const;
   /// Rate of its thickness at the present strain rate, a n.L n [m/s].
-  double opening(const ParticleSet& particles, std::size_t i, const Vec3& n, double thickness) const;
+  double opening(const LayerArrays& arrays, std::size_t i, const Vec3& n, double thickness) const;
   /// Forgets the forces of the step before.
-  void unload(ParticleSet& particles) const;
+  void unload(const LayerArrays& arrays) const;
   /// Power [W] of the layers' forces in the present velocity gradient, of this rank: negative where they are squeezed.
-  double power(const ParticleSet& particles) const;
-  /// Adds the stress of a normal force [N] on particle i at its surface to field::corrected_stress.
-  void load(ParticleSet& particles, std::size_t i, const Vec3& n, double thickness, double force) const;
+  double power(const LayerArrays& arrays) const;
+  /// Adds the stress of a normal force [N] on particle i at its surface to the corrected stress.
+  void load(const LayerArrays& arrays, std::size_t i, const Vec3& n, double thickness, double force) const;
 
  private:
+  /// n.T n of particle i.
+  template <class T>
+  double along(const LayerArrays::Matrix<T>& tensor, std::size_t i, const Vec3& n) const;
+
   SpaceLayout layout_;
   double half_;  ///< m
 };

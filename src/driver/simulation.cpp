@@ -299,8 +299,7 @@ void Simulation::apply_loads(double dt) {
   }
   if (contact_) {
     const ScopedTimer timer(timers_, "contact");
-    contact_->apply(particles_, rigids_, dt, contact_->has_surface_layers() ? 0.0 : travel_of_contact(dt),
-                    particles_.has(field::heat_input));
+    contact_->apply(particles_, rigids_, dt, travel_of_contact(dt), particles_.has(field::heat_input));
   }
   if (!scene_.grips.empty()) {
     const ScopedTimer timer(timers_, "loads");

@@ -26,9 +26,8 @@ int ParticleSet::components(Shape shape) const {
 }
 
 Field* ParticleSet::find(const FieldInfo& info) const {
-  for (const auto& field : fields_)
-    if (field->info == &info) return field.get();
-  return nullptr;
+  const auto found = by_info_.find(&info);
+  return found == by_info_.end() ? nullptr : found->second;
 }
 
 void ParticleSet::add(const FieldInfo& info, int length) {
@@ -37,6 +36,7 @@ void ParticleSet::add(const FieldInfo& info, int length) {
   field->info = &info;
   const int count = info.shape == Shape::List ? length : components(info.shape);
   field->components.assign(count, AlignedVector(capacity_, 0.0));
+  by_info_[&info] = field.get();
   fields_.push_back(std::move(field));
 }
 

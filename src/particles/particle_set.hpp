@@ -6,6 +6,7 @@
 #include <memory>
 #include <new>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "particles/field_info.hpp"
@@ -87,6 +88,7 @@ class ParticleSet {
 
   SpaceLayout layout_;
   std::vector<std::unique_ptr<Field>> fields_;
+  std::unordered_map<const FieldInfo*, Field*> by_info_;
   std::size_t owned_ = 0, total_ = 0, capacity_ = 0;
 };
 

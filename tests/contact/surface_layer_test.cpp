@@ -16,7 +16,9 @@ constexpr double spacing = 1e-3;
 /// One particle with the velocity gradient rows x y z.
 struct OneParticle {
   OneParticle() {
-    for (const FieldInfo* info : {&field::velocity_gradient, &field::plastic_strain_rate}) particles.add(*info);
+    for (const FieldInfo* info : {&field::velocity_gradient, &field::plastic_strain_rate, &field::inverse_moment,
+                                  &field::corrected_stress, &field::volume})
+      particles.add(*info);
     SurfaceLayer::add_fields(particles);
     particles.resize_owned(1);
     layer.initialise(particles);
@@ -26,9 +28,9 @@ struct OneParticle {
     for (int c = 0; c < 9; ++c) particles.component(field::velocity_gradient, c)[0] = gradient[c];
     particles[field::plastic_strain_rate][0] = plastic_rate;
     constexpr int steps = 20000;
-    for (int step = 0; step < steps; ++step) layer.advance(particles, 1.0 / steps);
+    for (int step = 0; step < steps; ++step) layer.advance(layer.arrays(particles), 1.0 / steps);
   }
-  double thickness(const Vec3& n) const { return layer.thickness(particles, 0, n) / (0.5 * spacing); }
+  double thickness(const Vec3& n) { return layer.thickness(layer.arrays(particles), 0, n) / (0.5 * spacing); }
 
   SurfaceLayer layer{layout_of(Cartesian3{}), spacing};
   ParticleSet particles{layout_of(Cartesian3{})};
@@ -42,7 +44,7 @@ TEST(SurfaceLayer, IsSqueezedWithItsParticle) {
   const double slanted = std::sqrt((std::exp(-0.6) + std::exp(0.2)) / 2), half = std::numbers::sqrt2 / 2;
   EXPECT_NEAR(one.thickness({half, 0, half}), slanted, 1e-4);
   one.particles.component(field::velocity_gradient, 0)[0] = -2;
-  EXPECT_NEAR(one.layer.opening(one.particles, 0, {1, 0, 0}, 0.4e-3), -0.8e-3, 1e-15);
+  EXPECT_NEAR(one.layer.opening(one.layer.arrays(one.particles), 0, {1, 0, 0}, 0.4e-3), -0.8e-3, 1e-15);
 }
 
 /// A layer that is sheared along its surface stays as thick as it is, a turned one keeps its thickness.
