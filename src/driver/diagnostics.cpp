@@ -9,11 +9,16 @@
 
 namespace stirsph {
 
+double EnergyBalance::scale() const {
+  return std::max({std::abs(external), initial_kinetic, kinetic, plastic + friction});
+}
+
+double EnergyBalance::unstored() const { return scale() > 0 ? (elastic - stored) / scale() : 0.0; }
+
 double EnergyBalance::residual() const {
   const double gained = kinetic - initial_kinetic - rescaling + elastic + plastic + viscous + artificial + hourglass +
                         diffusion + unmatched + friction + contact;
-  const double scale = std::max({std::abs(external), initial_kinetic, kinetic, plastic + friction});
-  return scale > 0 ? (gained - external) / scale : 0.0;
+  return scale() > 0 ? (gained - external) / scale() : 0.0;
 }
 
 Diagnostics diagnose(const Simulation& simulation) {
@@ -46,6 +51,7 @@ Diagnostics diagnose(const Simulation& simulation) {
     }
     const MechanicsLedger& work = mechanics->ledger();
     local.elastic = work.elastic - work.diffusion;
+    local.stored = mechanics->stored_energy(particles);
     local.plastic = work.plastic;
     local.viscous = work.viscous;
     local.artificial = work.artificial;
@@ -71,6 +77,7 @@ Diagnostics diagnose(const Simulation& simulation) {
   std::vector<double> sums{local.kinetic,
                            local.kinetic_physical,
                            local.elastic,
+                           local.stored,
                            local.plastic,
                            local.viscous,
                            local.artificial,
@@ -86,8 +93,9 @@ Diagnostics diagnose(const Simulation& simulation) {
   comm.sum_in_place(sums);
   EnergyBalance& all = d.energy;
   std::size_t next = 0;
-  for (double* value : {&all.kinetic, &all.kinetic_physical, &all.elastic, &all.plastic, &all.viscous, &all.artificial,
-                        &all.hourglass, &all.diffusion, &all.unmatched, &all.friction, &all.contact, &all.external})
+  for (double* value :
+       {&all.kinetic, &all.kinetic_physical, &all.elastic, &all.stored, &all.plastic, &all.viscous, &all.artificial,
+        &all.hourglass, &all.diffusion, &all.unmatched, &all.friction, &all.contact, &all.external})
     *value = sums[next++];
   all.initial_kinetic = simulation.load_ledger().initial_kinetic;
   const double lost = sums[next++], left = sums[next++];
@@ -121,8 +129,9 @@ bool exchanges_heat(const Scene& scene, const RigidScene& rigid) {
 std::vector<HistoryColumn> history_columns(const Scene& scene) {
   std::vector<HistoryColumn> columns{{"step", "1"}, {"dt", "s"}, {"T_min", "K"}, {"T_max", "K"}};
   if (scene.mechanics) {
-    for (const char* name : {"kinetic", "kinetic_physical", "elastic", "plastic", "viscous", "artificial_stress",
-                             "hourglass", "diffusion", "unmatched", "friction", "contact", "external_work"})
+    for (const char* name :
+         {"kinetic", "kinetic_physical", "elastic", "elastic_stored", "plastic", "viscous", "artificial_stress",
+          "hourglass", "diffusion", "unmatched", "friction", "contact", "external_work"})
       columns.push_back({std::string("energy.") + name, "J"});
     for (const char* name : {"energy.residual", "kinetic_over_internal", "inertia_number", "viscous_over_plastic",
                              "plastic_strain_max", "penetration_over_dx"})
@@ -179,10 +188,26 @@ std::vector<double> history_row(const Simulation& simulation, const Diagnostics&
   if (scene.mechanics) {
     const EnergyBalance& e = d.energy;
     const double internal = e.elastic + e.plastic;
-    put({e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.artificial, e.hourglass, e.diffusion,
-         e.unmatched, e.friction, e.contact, e.external, e.residual(), internal > 0 ? e.kinetic / internal : 0.0,
-         d.inertia_number, d.viscous_ratio, d.plastic_strain_max,
-         simulation.largest_penetration() / scene.numerics.spacing, simulation.largest_speed()});
+    put({e.kinetic,
+         e.kinetic_physical,
+         e.elastic,
+         e.stored,
+         e.plastic,
+         e.viscous,
+         e.artificial,
+         e.hourglass,
+         e.diffusion,
+         e.unmatched,
+         e.friction,
+         e.contact,
+         e.external,
+         e.residual(),
+         internal > 0 ? e.kinetic / internal : 0.0,
+         d.inertia_number,
+         d.viscous_ratio,
+         d.plastic_strain_max,
+         simulation.largest_penetration() / scene.numerics.spacing,
+         simulation.largest_speed()});
     if (const InertiaGuards* guards = simulation.guards())
       for (int k = 0; k < guard_count; ++k) put({guards->value(static_cast<Guard>(k))});
     if (const ScalingSchedule* schedule = simulation.schedule()) put({schedule->scale(), e.rescaling});

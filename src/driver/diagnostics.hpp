@@ -16,11 +16,18 @@ struct EnergyBalance {
   double kinetic_physical = 0;  ///< with physical mass
   double elastic = 0, plastic = 0, viscous = 0, artificial = 0, hourglass = 0, diffusion = 0, unmatched = 0,
          friction = 0, contact = 0;
+  double stored = 0;    ///< elastic energy of the present stresses
   double external = 0;  ///< by rigid bodies, body force and grips
   double initial_kinetic = 0;
   double rescaling = 0;  ///< kinetic energy that changes of the density scale made
   /// (gained + dissipated - work done)/(largest of the energies involved); zero before anything happened.
   double residual() const;
+  /// Elastic work that is not stored, over the same: negative where steps are too large for metal that flows, whose
+  /// strain then oscillates from step to step. Plastic work and its heat are too large by as much.
+  double unstored() const;
+
+ private:
+  double scale() const;
 };
 
 struct Diagnostics {

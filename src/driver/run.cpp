@@ -49,6 +49,8 @@ std::string inertia_summary(const Simulation& simulation) {
 /// Everything a run does besides stepping.
 /// Energy residual from which on a run is warned of: sound ones stay below 2 %.
 constexpr double doubtful_residual = 0.1;
+/// The same of elastic work that is not stored: twenty times what is found where steps resolve the flow.
+constexpr double doubtful_storage = 0.02;
 
 class Run {
  public:
@@ -325,13 +327,13 @@ void Run::print_report(const Diagnostics& d) {
   const EnergyBalance& e = d.energy;
   log::info(fmt::format("t = {:.6g} s after {} steps, {:.1f} s wall", clock.time, clock.step, elapsed()));
   if (simulation_.mechanics()) {
-    log::info(
-        fmt::format("energy [J]: kinetic {:.4g} (physical {:.3g}), elastic {:.4g}, plastic {:.4g}, viscous {:.4g}, "
-                    "artificial stress {:.4g}, hourglass control {:.4g}, density diffusion {:.4g}, unmatched {:.4g}, "
-                    "friction {:.4g}, contact "
-                    "{:.4g}, external work {:.4g}",
-                    e.kinetic, e.kinetic_physical, e.elastic, e.plastic, e.viscous, e.artificial, e.hourglass,
-                    e.diffusion, e.unmatched, e.friction, e.contact, e.external));
+    log::info(fmt::format(
+        "energy [J]: kinetic {:.4g} (physical {:.3g}), elastic {:.4g} (stored {:.4g}), plastic {:.4g}, viscous {:.4g}, "
+        "artificial stress {:.4g}, hourglass control {:.4g}, density diffusion {:.4g}, unmatched {:.4g}, "
+        "friction {:.4g}, contact "
+        "{:.4g}, external work {:.4g}",
+        e.kinetic, e.kinetic_physical, e.elastic, e.stored, e.plastic, e.viscous, e.artificial, e.hourglass,
+        e.diffusion, e.unmatched, e.friction, e.contact, e.external));
     log::info(fmt::format(
         "energy residual {:.3g}; viscous/plastic dissipation {:.3g}; inertia number {:.3g}; leaked particles {}",
         e.residual(), d.viscous_ratio, d.inertia_number, d.leaked));
@@ -340,6 +342,11 @@ void Run::print_report(const Diagnostics& d) {
           "the energy balance is open by {:.0f} %: do not trust this run. Take smaller steps (time.cfl, time.step), "
           "more viscosity or gradient_correction = \"full\" with hourglass_control",
           100 * std::abs(e.residual())));
+    if (std::abs(e.unstored()) > doubtful_storage)
+      log::warning(fmt::format(
+          "{:.3g} J of elastic work are not stored in the metal, {:.0f} % of the work done: its strain oscillates "
+          "from step to step, and plastic work and heat are off by as much. Take smaller steps (time.cfl)",
+          e.elastic - e.stored, 100 * std::abs(e.unstored())));
     if (const InertiaGuards* guards = simulation_.guards()) {
       std::string values;
       for (int k = 0; k < guard_count; ++k)

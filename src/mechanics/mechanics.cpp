@@ -87,6 +87,25 @@ double MechanicsIn<S>::least_smoothing_length(const ParticleSet& particles) cons
 }
 
 template <class S>
+double MechanicsIn<S>::stored_energy(const ParticleSet& particles) const {
+  const auto material = particles[field::material], strain = particles[field::volumetric_strain],
+             volume = particles[field::volume];
+  std::array<std::span<const double>, 6> s;
+  const int components = particles.layout().stress_components;
+  for (int c = 0; c < components; ++c) s[c] = particles.component(field::stress_deviator, c);
+  double energy = 0;
+  for (std::size_t i = 0; i < particles.owned(); ++i) {
+    const MaterialConstants& metal = constants_[static_cast<std::size_t>(material[i])];
+    double square = 0;
+    for (int c = 0; c < components; ++c) square += (c < 3 ? 1 : 2) * s[c][i] * s[c][i];
+    // The integral of K e dV over V = V0 exp(e).
+    const double of_pressure = metal.bulk * (strain[i] - 1 + std::exp(-strain[i]));
+    energy += volume[i] * (square / (4 * metal.shear) + of_pressure);
+  }
+  return energy;
+}
+
+template <class S>
 double MechanicsIn<S>::support(const ParticleSet& particles) const {
   double largest = smoothing_length();
   if (settings_.variable_h)

@@ -70,6 +70,9 @@ class Mechanics {
   virtual double wave_speed() const = 0;
   /// Smallest smoothing length on this rank [m]; infinity without particles.
   virtual double least_smoothing_length(const ParticleSet& particles) const = 0;
+  /// Elastic energy [J] of the present stresses of this rank's particles. It is a function of state; what the ledger
+  /// calls elastic is the work that plastic flow did not take. They differ where steps do not resolve the flow.
+  virtual double stored_energy(const ParticleSet& particles) const = 0;
   /// Largest smoothing length times the kernel support on this rank [m].
   virtual double support(const ParticleSet& particles) const = 0;
 

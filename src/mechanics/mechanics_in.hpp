@@ -30,6 +30,7 @@ class MechanicsIn final : public Mechanics {
   void update_acceleration(ParticleSet& particles, const PairList& pairs, double dt, const Arrival& halo) override;
   double wave_speed() const override;
   double least_smoothing_length(const ParticleSet& particles) const override;
+  double stored_energy(const ParticleSet& particles) const override;
   double support(const ParticleSet& particles) const override;
   std::size_t bytes() const override {
     std::size_t numbers = records_.capacity() + dissipation_.capacity() + artificial_power_.capacity();
