@@ -97,13 +97,16 @@ def sticking_platens(run):
 
 
 def taylor_rings(length, foot, hottest=None):
-    """C4 in rings: faces lie half a spacing outside the outermost centres."""
+    """C4 in rings: faces lie half a spacing outside the outermost centres. A bar that has left the wall (aluminium) is as long as
+    its end is high, less what its foot has risen since the last contact."""
 
     def measure(run):
         half = spacing_of(run) / 2
         *_, (_, x, fields) = run.snapshots()
         r, z = x[:, 0], x[:, 2]
-        found = {"length": (z[r < 2 * half].max() + half) / length - 1, "foot radius": (r.max() + half) / foot - 1,
+        lowest = run.history["lowest"]
+        rise = lowest[-1] - lowest[run.history["wall.force_z"] != 0][-1]
+        found = {"length": (z[r < 2 * half].max() + half - rise) / length - 1, "rise of the foot [mm]": 1e3 * rise, "foot radius": (r.max() + half) / foot - 1,
                  "plastic strain on the axis, largest": fields["equivalent_plastic_strain"][r < 2 * half].max(),
                  "energy residual": run.history["energy.residual"][-1]}
         if hottest:
@@ -115,7 +118,7 @@ def taylor_rings(length, foot, hottest=None):
 
 def rings(spacing):
     """Positions of rings have two components."""
-    return {"space": "axisymmetric", "probe.0.component": 1, "body.0.fill_margin": 0.45,
+    return {"space": "axisymmetric", "probe.0.component": 1, "probe.2.component": 1, "body.0.fill_margin": 0.45,
             "numerics.gradient_correction": '"full"', "numerics.viscosity_reconstruction": "true", "numerics.viscosity_alpha": 1,
             "output.fields": '["equivalent_plastic_strain", "temperature"]'}
 
@@ -177,17 +180,13 @@ CASES = [
     Program("C3", "adiabatic simple shear at 1000/s", "T0", "mechanics/stress_point_test", "AdiabaticShear*",
             "exact without the elastic part [E]; without heating 167.59 MPa", "0.5 % beyond g = 1"),
     Case("C4", "Taylor bar, copper", "T1", "c4_taylor_bar.toml",
-         "length 21.44, foot radius 7.4 mm: three meshes of an axisymmetric finite element program, extrapolated [N]",
+         "length 21.44, foot radius 7.4 mm: three meshes of an axisymmetric finite element program, extrapolated; taylor_bar.py [N]",
          taylor_rings(21.44e-3, 7.4e-3), TAYLOR, CATALOGUE, spacings=(0.8, 0.4, 0.2), target_spacing=0.4, overrides=rings),
     Case("C4b", "Taylor bar, aluminium with heating", "T1", "c4_taylor_bar.toml",
-         "length 23.57, foot radius 8.24 mm, 563 K: the finest of three meshes of an axisymmetric finite element program [N]",
+         "length 23.57, foot radius 8.24 mm, 563 K: the finest of three meshes of an axisymmetric finite element program; "
+         "taylor_bar.py [N]",
          taylor_rings(23.57e-3, 8.24e-3, 563), TAYLOR, CATALOGUE, spacings=(1.0, 0.5, 0.25), target_spacing=0.5,
-         overrides=aluminium,
-         diagnosis="The foot is right and the length converges to +1.8 % (+2.2, +2.0 % at 0.25 and 0.125 mm with alpha "
-         "0.5, foot +1.1, +1.4 %) while that of copper, C4, converges to its reference within 0.2 %. The "
-         "reference, a finest mesh of 16 elements over the radius, was not extrapolated: its length still "
-         "falls by 0.05 mm from mesh to mesh, away from ours, and its hottest spot (563 K) still warms. Which "
-         "of the two is right is open."),
+         overrides=aluminium),
     Case("C4c", "Taylor bar, copper, in three dimensions", "T1", "c4_taylor_bar.toml", "as C4 [N]", speed_cases.taylor_bar,
          TAYLOR, CATALOGUE, spacings=speed_cases.BAR_SPACINGS, overrides=speed_cases.CASES["C4"].overrides,
          diagnosis="The foot is too soft and its length right by luck: with alpha 0.1 length and radius are off by -4.4 "
