@@ -7,7 +7,10 @@ HELD = ("Held layers. The kernel spreads the jump of velocity over its support, 
         "the true slip zone is thinner (50 % of the slip within 0.13 mm), the rate is too low by that ratio and a rate-sensitive "
         "metal too soft. The test shows it: the torque is that of a zone of 2.6 spacings to 1 %, order 1 (-8.6, -4.8, -2.2 % at "
         "0.25, 0.125, 0.0625 mm). With a tool that rubs (C8r, G1r), as in the process, the strength at the face is that of a layer "
-        "of one spacing, and the targets are met.")
+        "of one spacing, and the targets are met. Tried: held layers without strain and stress, whose pairs with free "
+        "particles count by the ratio of both distances from the surface to the free one's (velocities mirrored as at the walls "
+        "of fluids), forces adjoint: the torque vanishes, as only the strain of the held layers resists the mode in which "
+        "neighbouring layers move against each other.")
 
 SLICE = 2e-3  # m along the axis
 
