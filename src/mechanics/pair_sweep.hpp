@@ -46,14 +46,21 @@ static_assert(cluster_size % lanes == 0, "a cluster is a whole number of SIMD re
 
 constexpr int padded_record(int size) { return (size + 7) / 8 * 8; }
 
+/// Velocity components across the plane of the positions: the swirl of the axisymmetric space, in the middle of the
+/// other two.
+template <class S>
+inline constexpr int across = S::velocity_components - S::dim;
+
 /// Largest |M^-1| (Frobenius) that a gradient is corrected with. Faces, edges and corners of a body have 2.7, 4.5 and 7
 /// (cubic spline), in disorder up to 14; in a plane faces and corners have 2.4 and 4.2. A chip of a dozen particles has
 /// more. With the plain momentum sum such a correction is a gain from velocity to stress that the forces do not have,
 /// and feeds the chip until it explodes. With the full one it makes the chip stiff by its square, beyond what the step
-/// bears: where metal flows nothing grows, but the chip's strain oscillates from step to step and makes heat. The acute
-/// corners of a sheared block need up to 50.
+/// bears: where metal flows nothing grows, but the chip's strain oscillates from step to step and makes heat. So rings,
+/// whose use is metal that flows through a narrow gap, are corrected less far; the acute corners of a sheared block
+/// need up to 50.
 inline constexpr double largest_correction_of_plain_forces = 15;
-inline constexpr double largest_full_correction(int dim) { return dim == 2 ? 10 : 50; }
+template <class S>
+inline constexpr double largest_full_correction = across<S> > 0 ? 10 : 50;
 
 /// Keeps r away from zero for the particle itself; (1e-30 m)^2, far below any spacing.
 inline constexpr double tiny_square = 1e-60;
@@ -150,11 +157,6 @@ struct GradientRecord {
   static constexpr int x = 0, v = S::dim, volume = v + S::velocity_components, strain = volume + 1, h = strain + 1;
   static constexpr int size = padded_record(h + (VariableH ? 1 : 0));
 };
-
-/// Velocity components across the plane of the positions: the swirl of the axisymmetric space, in the middle of the
-/// other two.
-template <class S>
-inline constexpr int across = S::velocity_components - S::dim;
 
 /// The component of a position in the direction of the velocity component c; -1 for one across.
 template <class S>
@@ -282,7 +284,7 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
         Lanes volume = 1e-6 * trace;
         for (int a = 1; a < dim; ++a) volume *= trace;
         auto sound = trace > Lanes(0.05 * dim) && det > volume && norm2 * cofactor_norm2 < 1e4 * det * det;
-        constexpr double largest = KeepCorrection ? largest_full_correction(dim) : largest_correction_of_plain_forces;
+        constexpr double largest = KeepCorrection ? largest_full_correction<S> : largest_correction_of_plain_forces;
         sound = sound && cofactor_norm2 < largest * largest * det * det;
         if (stdx::popcount(sound) != static_cast<int>(lanes))
           for (std::size_t lane = 0; lane < lanes; ++lane) fallbacks += !sound[lane] && i0 + lane < owned;
