@@ -207,9 +207,9 @@ def scaling(runner, records, options, path):
     strong = [bench(runner, ["block", "--particles", str(size), *repeat], n) for n in ranks]
     weak = [bench(runner, ["block", "--particles", str(size * n), *repeat], n) for n in ranks]
     process = bench(runner, ["extrusion", *repeat], ranks[-1])
-    rate = "particle_steps_per_second_per_core"
+    rate = "particle_steps_per_s_per_core"
     numbers = {"ranks": ranks, "strong": [r[rate] for r in strong], "weak": [r[rate] for r in weak],
-               "particles": size, "phases": process["phases_s"]}
+               "particles": size, "phases": {name: phase["mean"] for name, phase in process["phases"].items()}}
     figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.8))
     left.plot(ranks, [value / numbers["strong"][0] for value in numbers["strong"]], "o-", label=f"strong, {size} particles")
     left.plot(ranks, [value / numbers["weak"][0] for value in numbers["weak"]], "s-", label=f"weak, {size} particles a rank")
