@@ -164,6 +164,7 @@ class Simulation {
   double kinetic_energy() const;
   double largest_force_error() const;
   double surface_speed() const;
+  void mark_held_particles();
   void collect_grip_members();
   void measure_extent();
   void set_grip_velocities();

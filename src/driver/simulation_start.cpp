@@ -21,6 +21,8 @@ Simulation::Simulation(Comm comm, Scene scene)
   if (scene_.mechanics) {
     MechanicsSettings settings = scene_.numerics;
     settings.heat_input = scene_.heat.mode != HeatScene::Mode::Off;
+    settings.rigid_grips = std::any_of(scene_.grips.begin(), scene_.grips.end(),
+                                       [&](const GripScene& grip) { return grip.rigid(scene_.space); });
     mechanics_ = make_mechanics(scene_.space, settings, scene_.materials);
     if (scene_.limits.guard_steps > 0) guards_ = std::make_unique<InertiaGuards>(scene_);
     if (scene_.inertia_tolerance > 0) schedule_ = std::make_unique<ScalingSchedule>(scene_);
@@ -257,6 +259,15 @@ void Simulation::refuse_empty_sets() {
                        "enlarge or move the region, or correct the bodies");
 }
 
+void Simulation::mark_held_particles() {
+  if (!particles_.has(field::held)) return;
+  const auto held = particles_[field::held], mask = particles_[field::sets];
+  for (const GripScene& grip : scene_.grips)
+    if (grip.rigid(scene_.space))
+      for (std::size_t i = 0; i < particles_.owned(); ++i)
+        if (static_cast<std::uint64_t>(mask[i]) >> grip.set & 1) held[i] = 1;
+}
+
 void Simulation::collect_grip_members() {
   grip_members_.assign(scene_.grips.size(), {});
   for (std::size_t g = 0; g < scene_.grips.size(); ++g) {
@@ -289,6 +300,7 @@ void Simulation::start() {
   for (BodyCount& body : body_counts_) body.mass = comm_.sum(body.mass);
   particle_count_ = comm_.sum(static_cast<std::int64_t>(particles_.owned()));
   refuse_empty_sets();
+  mark_held_particles();
   if (mechanics_) mechanics_->initialise(particles_);
   if (contact_) contact_->initialise(particles_);
   if (grains_) grains_->initialise(particles_);

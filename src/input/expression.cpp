@@ -105,6 +105,9 @@ const std::string& Expression::text() const {
   return parser_->text;
 }
 
+bool Expression::contains(const std::string& variable) const {
+  return !is_constant() && parser_->compiled.GetUsedVar().contains(variable);
+}
 bool Expression::is_constant() const { return !parser_ || parser_->is_constant; }
 
 }  // namespace stirsph::input

@@ -20,6 +20,8 @@ class Expression {
   double operator()(const std::vector<double>& values) const;
   const std::string& text() const;
   bool is_constant() const;
+  /// Whether the formula contains this variable.
+  bool contains(const std::string& variable) const;
 
  private:
   struct Parser;

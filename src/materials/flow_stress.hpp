@@ -32,16 +32,20 @@ struct FlowBatch {
   double shear_modulus = 0;                ///< Pa
   double* increment = nullptr;             ///< out: plastic strain increment, >= 0
   double* flow_stress = nullptr;           ///< out: Pa, sigma_y after the step
+  const double* rate_factor = nullptr;     ///< rate that the strength feels over the particle's own; or null for 1
   const double* previous_rate = nullptr;   ///< 1/s, plastic strain rate of the last step, a first guess; or null
 };
 
 class FlowStress {
  public:
   virtual ~FlowStress() = default;
-  /// Solves trial - 3 G x = sigma_y(eps_p + x, x/dt, T) for x >= 0. Returns the number of iterations over the batch.
+  /// Solves trial - 3 G x = sigma_y(eps_p + x, f x/dt, T) for x >= 0, f the rate factor. Returns the number of
+  /// iterations over the batch.
   virtual long return_map(const FlowBatch& batch) const = 0;
   /// sigma_y [Pa] at a plastic strain, plastic strain rate [1/s] and temperature [K].
   virtual double value(double plastic_strain, double rate, double temperature) const = 0;
+  /// Whether sigma_y depends on the plastic strain rate.
+  virtual bool rate_sensitive() const = 0;
   /// K, where the law ends; infinite when it knows none.
   virtual double melting_temperature() const { return std::numeric_limits<double>::infinity(); }
 };
@@ -59,6 +63,7 @@ class FlowStressOf final : public FlowStress {
   double value(double plastic_strain, double rate, double temperature) const override {
     return model_.evaluate(plastic_strain, rate, temperature).stress;
   }
+  bool rate_sensitive() const override { return model_.rate_sensitive(); }
   double melting_temperature() const override {
     if constexpr (requires { model_.melting_temperature; })
       return model_.melting_temperature;
@@ -79,6 +84,7 @@ class FlowStressOf final : public FlowStress {
     long iterations = 0;
     if (stdx::any_of(flowing)) {
       const double three_g = 3 * b.shear_modulus;
+      const Lanes per_time = (b.rate_factor ? load_lanes(b.rate_factor + k, count, 1.0) : Lanes(1.0)) / b.dt;
       constexpr double vanishing = 1e-290;  // below it the strain powers underflow
       Lanes low = 0.0, high = (trial - min(still, trial)) / three_g, x = high;
       if (b.previous_rate) {  // flow is steady more often than not
@@ -87,7 +93,7 @@ class FlowStressOf final : public FlowStress {
       }
       for (int iteration = 1; stdx::any_of(flowing); ++iteration) {
         iterations += stdx::popcount(flowing);
-        const FlowPoint<Lanes> f = model_.evaluate(strain + x, x / b.dt, temperature);
+        const FlowPoint<Lanes> f = model_.evaluate(strain + x, x * per_time, temperature);
         const Lanes residual = trial - three_g * x - f.stress;
         stdx::where(residual > 0.0, low) = x;
         stdx::where(!(residual > 0.0), high) = x;
@@ -102,7 +108,7 @@ class FlowStressOf final : public FlowStress {
                        " Pa, plastic strain " + std::to_string(strain[lane]) + ", temperature " +
                        std::to_string(temperature[lane]) + " K)");
         }
-        const Lanes newton = x + residual / (three_g + f.strain_slope + f.rate_slope / b.dt);
+        const Lanes newton = x + residual / (three_g + f.strain_slope + f.rate_slope * per_time);
         // Towards zero by decades: with a small hardening exponent a hair of overstress needs a strain of 1e-100 or
         // less.
         const Lanes bisection = select(low > 0.0, 0.5 * (low + high), 1e-3 * high);

@@ -44,6 +44,8 @@ struct JohnsonCook {
       p.fail("melting_temperature", "must be above reference_temperature");
   }
 
+  bool rate_sensitive() const { return C > 0; }
+
   template <class T>
   FlowPoint<T> evaluate(const T& plastic_strain, const T& rate, const T& temperature) const {
     const T zero = 0.0, one = 1.0;

@@ -17,6 +17,8 @@ struct LinearHardening {
   explicit LinearHardening(const input::Parameters& p)
       : yield_stress(p.real("yield_stress")), hardening_modulus(p.real("hardening_modulus")) {}
 
+  static bool rate_sensitive() { return false; }
+
   template <class T>
   FlowPoint<T> evaluate(const T& plastic_strain, const T&, const T&) const {
     return {yield_stress + hardening_modulus * plastic_strain, hardening_modulus, 0.0};

@@ -12,6 +12,8 @@ struct PerfectlyPlastic {
   static void declare(input::Schema& s) { s.real("yield_stress", "constant flow stress").unit("Pa").positive(); }
   explicit PerfectlyPlastic(const input::Parameters& p) : yield_stress(p.real("yield_stress")) {}
 
+  static bool rate_sensitive() { return false; }
+
   template <class T>
   FlowPoint<T> evaluate(const T&, const T&, const T&) const {
     return {yield_stress, 0.0, 0.0};

@@ -17,6 +17,9 @@ MechanicsIn<S>::MechanicsIn(MechanicsSettings settings, std::vector<Material> ma
     constants_.push_back(
         {material.shear_modulus(), material.bulk_modulus(), material.density, material.taylor_quinney});
   }
+  const auto rate_sensitive = [](const Material& m) { return m.flow && m.flow->rate_sensitive(); };
+  if (settings_.rigid_grips && std::any_of(materials_.begin(), materials_.end(), rate_sensitive))
+    grip_rate_.emplace(settings_.kernel, smoothing_length());
 }
 
 template <class S>
@@ -38,6 +41,7 @@ void MechanicsIn<S>::add_fields(ParticleSet& particles) const {
   }
   if (reconstructs_viscosity()) particles.add(field::strain_rate);
   if (settings_.heat_input) particles.add(field::heat_input);
+  if (grip_rate_) GripRate::add_fields(particles);
 }
 
 template <class S>
@@ -46,6 +50,7 @@ void MechanicsIn<S>::initialise(ParticleSet& particles) const {
        strength = particles[field::flow_stress];
   const auto mass = particles[field::mass], strain = particles[field::volumetric_strain],
              plastic = particles[field::equivalent_plastic_strain], temperature = particles[field::temperature];
+  if (grip_rate_) GripRate::initialise(particles);
   for (std::size_t i = 0; i < particles.owned(); ++i) {
     const Material& m = materials_[static_cast<int>(particles[field::material][i])];
     volume[i] = mass[i] / m.density * std::exp(strain[i]);
@@ -295,6 +300,7 @@ void MechanicsIn<S>::update_stress(ParticleSet& particles, const PairList& pairs
                       update_block(particles, block, first * cluster_size, dt);
                     });
   active_.complete();
+  if (grip_rate_) grip_rate_->update(particles, pairs);
 }
 
 /// Turns what the sweep has summed into the forces on rings: the torque into the force along theta, and the pull of the

@@ -2,6 +2,9 @@
 /// and option), the update of the material state in stress_update.cpp.
 #pragma once
 
+#include <optional>
+
+#include "mechanics/grip_rate.hpp"
 #include "mechanics/mechanics.hpp"
 #include "mechanics/pair_sweep.hpp"
 
@@ -35,7 +38,7 @@ class MechanicsIn final : public Mechanics {
   std::size_t bytes() const override {
     std::size_t numbers = records_.capacity() + dissipation_.capacity() + artificial_power_.capacity();
     for (const AlignedVector& rate : hourglass_rate_) numbers += rate.capacity();
-    return numbers * sizeof(double) + active_.bytes();
+    return numbers * sizeof(double) + active_.bytes() + (grip_rate_ ? grip_rate_->bytes() : 0);
   }
 
  private:
@@ -70,6 +73,7 @@ class MechanicsIn final : public Mechanics {
   std::vector<MaterialConstants> constants_;      ///< per material
   AlignedVector records_;                         ///< neighbours packed for the sweep at hand
   ActivePairs active_;                            ///< from update_stress to the update_acceleration that follows
+  std::optional<GripRate> grip_rate_;             ///< with rigid grips on metal that depends on the rate
   AlignedVector dissipation_, artificial_power_;  ///< W per particle
   std::array<AlignedVector, S::dim + S::dim * S::dim> hourglass_rate_;  ///< N/s per particle
 };

@@ -32,6 +32,7 @@ struct MechanicsSettings {
   bool viscosity_without_swirl = false;   ///< viscosity sees the velocity without its swirl around the z axis
   double elastic_scale = 1;               ///< factor on the elastic moduli (soft elasticity)
   bool surface_layers = false;            ///< contact needs the velocity gradient and its correction as fields
+  bool rigid_grips = false;               ///< some particles belong to grips that move as rigid bodies (field held)
   bool heat_input = false;                ///< plastic heat is collected in the field heat_input
 };
 

@@ -35,6 +35,7 @@ struct MaterialFields {
         smoothing(particles[field::smoothing_length].data()),
         mass(particles[field::mass].data()),
         material(particles[field::material].data()) {
+    if (particles.has(field::rate_factor)) rate_factor = particles[field::rate_factor].data();
     const auto all = [&](const FieldInfo& info, auto& pointers) {
       for (std::size_t c = 0; c < pointers.size(); ++c)
         pointers[c] = particles.component(info, static_cast<int>(c)).data();
@@ -57,7 +58,7 @@ struct MaterialFields {
   double *strain, *volume, *plastic_strain, *plastic_rate, *flow_stress;
   const double* temperature;
   double* smoothing;
-  const double *mass, *material;
+  const double *mass, *material, *rate_factor = nullptr;
   double* heat_input = nullptr;
 };
 
@@ -124,7 +125,8 @@ long return_map(const std::vector<Material>& materials, const MaterialFields<S>&
     if (const Material& m = materials[static_cast<std::size_t>(id)]; m.flow)
       iterations +=
           m.flow->return_map({static_cast<int>(end - k), trial + k, f.plastic_strain + i0 + k, f.temperature + i0 + k,
-                              dt, m.shear_modulus(), increment + k, f.flow_stress + i0 + k, f.plastic_rate + i0 + k});
+                              dt, m.shear_modulus(), increment + k, f.flow_stress + i0 + k,
+                              f.rate_factor ? f.rate_factor + i0 + k : nullptr, f.plastic_rate + i0 + k});
     k = end;
   }
   return iterations;

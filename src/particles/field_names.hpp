@@ -83,6 +83,16 @@ inline constexpr FieldInfo plastic_strain_rate{"plastic_strain_rate",
 inline constexpr FieldInfo flow_stress{"flow_stress", "Pa",       "current flow stress sigma_y",
                                        Shape::Scalar, Halo::None, true};
 
+// beside rigid grips (mechanics/grip_rate.hpp)
+inline constexpr FieldInfo held{"held", "1", "1 for particles of a grip that moves as a rigid body, else 0",
+                                Shape::Scalar, Halo::Static};
+inline constexpr FieldInfo plastic_rate_mean{"plastic_rate_mean", "1/s", "running mean of the plastic strain rate"};
+inline constexpr FieldInfo shared_plastic_rate{
+    "shared_plastic_rate", "1/s", "what a held particle gives of its plastic rate, or a free one has with what it took",
+    Shape::Scalar, Halo::Stress};
+inline constexpr FieldInfo rate_factor{"rate_factor", "1",
+                                       "plastic rate that the strength feels over the particle's own"};
+
 // microstructure
 inline constexpr FieldInfo strain_at_window_start{"strain_at_window_start", "1",
                                                   "equivalent plastic strain when the present averaging window began"};

@@ -141,6 +141,9 @@ struct SetScene {
 
 /// Prescribed motion of a set; components not given are free.
 struct GripScene {
+  /// Whether it prescribes all components of the velocity, and those of a rigid body.
+  bool rigid(const Space& space) const;
+
   std::string name;
   int set = 0;
   std::array<OptionalExpression, 3> velocity;  ///< m/s, of t and the particle's x y z

@@ -82,6 +82,7 @@ TEST(Contact, FrictionIsLimitedByTheShearStrength) {
 /// sigma_y = 1e8 Pa (1 + 0.1 ln(rate / 1/s)).
 struct RateSensitive final : FlowStress {
   long return_map(const FlowBatch& /*batch*/) const override { return 0; }
+  bool rate_sensitive() const override { return true; }
   double value(double /*plastic_strain*/, double rate, double /*temperature*/) const override {
     return 1e8 * (1 + 0.1 * std::log(std::max(1.0, rate)));
   }

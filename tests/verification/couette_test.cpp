@@ -1,9 +1,9 @@
 /// C8, G1 and F3 of the verification catalogue in the axisymmetric space: metal sheared between a turning tool and a
 /// die.
 ///
-/// The kernel sees a jump of velocity over one spacing as a shear over its support, 2 h_over_dx dx: where a shear zone
-/// is thinner than that, the rate in it is too low by the ratio and a rate-sensitive metal too soft. The first two
-/// tests tell the one from the other.
+/// The kernel sees a jump of velocity as a shear over its support, 2 h_over_dx dx, half of which lies in the held
+/// layers and is given back to the free ones (mechanics/grip_rate.hpp): a zone thinner than that counts as one of
+/// h_over_dx dx.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -60,10 +60,9 @@ Couette couette(const std::string& scene, const Overrides& overrides, bool rubbi
 
 Overrides material(const std::string& name) { return {"material.0.file=../materials/" + name + ".toml"}; }
 
-/// Torque per length [N] when all slip lies in a zone as thick as the kernel support: what Johnson-Cook metal then
-/// bears.
+/// Torque per length [N] when all slip lies in a zone of half the kernel support: what Johnson-Cook metal then bears.
 double torque_of_kernel_zone(double yield, double sensitivity, double spacing) {
-  const double shear_rate = rate * inner_radius / (2 * 1.3 * spacing);
+  const double shear_rate = rate * inner_radius / (1.3 * spacing);
   return 2 * M_PI * inner_radius * inner_radius * yield / std::sqrt(3.0) *
          (1 + sensitivity * std::log(shear_rate / std::sqrt(3.0)));
 }
@@ -85,14 +84,30 @@ TEST(Couette, JohnsonCookTorqueC8) {
   EXPECT_NEAR(flow.torque, torque_of_kernel_zone(265e6, 0.015, 0.25e-3), 0.005 * 27300);
 }
 
-/// The target of 5 % is missed at 0.25 mm (-8.6 %, -4.8 % at 0.125 mm, -2.2 % at 0.0625 mm), for the reason above.
 TEST(Couette, RateSensitiveTorqueC8) {
   const Couette flow = couette("c8_couette_rings", {});
   std::printf("C8 RS: torque %.1f N, exact 39251, kernel zone %.1f; on the die %+.3f %% of it\n", flow.torque,
               torque_of_kernel_zone(217e6, 0.135, 0.25e-3), 100 * flow.die_torque / flow.torque);
-  EXPECT_NEAR(flow.torque, 39251, 0.10 * 39251);
+  EXPECT_NEAR(flow.torque, 39251, 0.05 * 39251);
   EXPECT_NEAR(flow.torque, torque_of_kernel_zone(217e6, 0.135, 0.25e-3), 0.01 * 39251);
   EXPECT_NEAR(flow.die_torque, -flow.torque, 0.01 * 39251);
+}
+
+/// Ten layers between two grips. A formula of the place, though of the same value, is not taken for a rigid motion: the
+/// outermost layers are then sheared too slowly for the stress, and it is 1 % too low.
+TEST(Couette, PlaneShearHasTheStressOfItsRate) {
+  const double thickness = 2.5e-3, area = 2e-3;
+  const double exact = 217e6 / std::sqrt(3.0) * (1 + 0.135 * std::log(1 / thickness / std::sqrt(3.0))) * area;
+  const auto error = [&](const std::string& velocity) {
+    const auto simulation = started(verification_scene("plane_shear"), {"grip.1.velocity.x=" + velocity});
+    run_to_end(*simulation, [] {});
+    return simulation->comm().sum(simulation->grip_loads()[1].force.x) / exact - 1;
+  };
+  const double rigid = error("\"1 m/s\""), formula = error("\"1 + 0*x\"");
+  std::printf("plane shear: stress %+.2f %%, without the rate of the held layers %+.2f %%\n", 100 * rigid,
+              100 * formula);
+  EXPECT_NEAR(rigid, 0, 0.002);
+  EXPECT_LT(formula, -0.007);
 }
 
 /// Scaled inertia: held layers and no free flow across the swirl, so nothing but noise may come of it (F3).
@@ -141,14 +156,13 @@ TEST(Couette, RubbingToolRateSensitiveC8) {
   }
 }
 
-/// Heated by plastic work, cooled by the die (G1). The rate in the kernel's zone is too low here as well: 5 % are met
-/// at 0.125 mm but for the torque (-5.3 %).
+/// Heated by plastic work, cooled by the die.
 TEST(Couette, HotG1) {
   const Couette flow = couette("g1_hot_couette", {});
   const Diagnostics end = diagnose(*flow.simulation);
   std::printf("G1: torque %.1f N of 33536, face %.2f K of 451.45\n", flow.torque, end.probes[0]);
-  EXPECT_NEAR(flow.torque, 33536, 0.09 * 33536);
-  EXPECT_NEAR(end.probes[0] - 293.15, 451.45 - 293.15, 0.07 * (451.45 - 293.15));
+  EXPECT_NEAR(flow.torque, 33536, 0.05 * 33536);
+  EXPECT_NEAR(end.probes[0] - 293.15, 451.45 - 293.15, 0.05 * (451.45 - 293.15));
   EXPECT_LT(std::abs(end.energy.residual()), 1e-3);
 }
 

@@ -38,7 +38,7 @@ Outcome outcome(int size, const std::string& scene, const std::vector<std::strin
   if (ranks.member()) {
     const auto simulation = started(verification_scene(scene), overrides, ranks.comm());
     run_to_end(*simulation);
-    for (int d = 0; d < 3; ++d)
+    for (int d = 0; d < simulation->particles().layout().dim; ++d)
       for (auto [list, info] :
            {std::pair{&result.position, &field::position}, std::pair{&result.velocity, &field::velocity},
             std::pair{&result.stress, &field::stress}}) {
@@ -116,6 +116,17 @@ TEST(RankCount, FullCorrectionAndItsCompanionsG4) {
                                            "numerics.viscosity_reconstruction=true"};
   const auto one = outcome(1, "mini_tube", overrides);
   for (int size : {2, 3, 4}) EXPECT_LT(largest_difference(one, outcome(size, "mini_tube", overrides)), 1e-11);
+}
+
+/// Rates of plastic flow that particles beside a grip share with others.
+TEST(RankCount, RatesBesideGripsG4) {
+  const std::vector<std::string> overrides{"grip.1.velocity.x=\"50 m/s\"", "time.most_steps=200"};
+  const auto one = outcome(1, "plane_shear", overrides);
+  for (int size : {2, 3, 4}) {
+    const double difference = largest_difference(one, outcome(size, "plane_shear", overrides));
+    std::printf("G4, plane shear, 200 steps, %d ranks: %.1e\n", size, difference);
+    EXPECT_LT(difference, 1e-9);
+  }
 }
 
 TEST(RankCount, TaylorBarLengthG4) {

@@ -66,6 +66,7 @@ TEST_P(RestartOf, IsBitwiseOnTheSameRanksG3) {
 
 INSTANTIATE_TEST_SUITE_P(G3, RestartOf,
                          ::testing::Values(Case{"mini_tube"}, Case{"meshed_tube"}, Case{"spinning_block"},
+                                           Case{"plane_shear", {"grip.1.velocity.x=\"50 m/s\""}},
                                            Case{"mini_tube",
                                                 {"numerics.gradient_correction=full", "time.cfl=0.3",
                                                  "numerics.hourglass_control=1",
