@@ -60,7 +60,12 @@ Diagnostics diagnose(const Simulation& simulation) {
     local.unmatched = work.unmatched;
     local.external = simulation.load_ledger().body_force + simulation.load_ledger().grips;
   }
-  std::int64_t leaked = 0;
+  std::int64_t leaked = 0, molten = 0;
+  if (can_melt(scene))
+    for (std::size_t i = 0; i < particles.owned(); ++i) {
+      const Material& metal = scene.materials[static_cast<std::size_t>(particles[field::material][i])];
+      if (metal.flow && particles[field::temperature][i] > metal.flow->melting_temperature()) ++molten;
+    }
   if (Contact* contact = simulation.contact(); contact && simulation.mechanics()) {
     local.friction = contact->ledger().friction;
     local.contact = contact->ledger().normal;
@@ -89,6 +94,7 @@ Diagnostics diagnose(const Simulation& simulation) {
                            local.external,
                            static_cast<double>(leaked),
                            static_cast<double>(particles.owned()),
+                           static_cast<double>(molten),
                            simulation.load_ledger().rescaling};
   comm.sum_in_place(sums);
   EnergyBalance& all = d.energy;
@@ -99,6 +105,7 @@ Diagnostics diagnose(const Simulation& simulation) {
     *value = sums[next++];
   all.initial_kinetic = simulation.load_ledger().initial_kinetic;
   const double lost = sums[next++], left = sums[next++];
+  d.molten = static_cast<std::int64_t>(sums[next++]);
   all.rescaling = sums[next++];
   d.leaked = static_cast<std::int64_t>(lost) + simulation.particle_count() - static_cast<std::int64_t>(left);
   std::vector<double> maxima{hottest, -coldest, strain, inertia};
@@ -110,6 +117,12 @@ Diagnostics diagnose(const Simulation& simulation) {
   d.viscous_ratio = d.energy.plastic > 0 ? d.energy.viscous / d.energy.plastic : 0.0;
   d.probes = evaluate_probes(simulation);
   return d;
+}
+
+bool can_melt(const Scene& scene) {
+  return scene.mechanics && scene.heat.mode != HeatScene::Mode::Off &&
+         std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& m) { return m.flow && std::isfinite(m.flow->melting_temperature()); });
 }
 
 int tool_index(const Scene& scene) {
@@ -128,6 +141,7 @@ bool exchanges_heat(const Scene& scene, const RigidScene& rigid) {
 
 std::vector<HistoryColumn> history_columns(const Scene& scene) {
   std::vector<HistoryColumn> columns{{"step", "1"}, {"dt", "s"}, {"T_min", "K"}, {"T_max", "K"}};
+  if (can_melt(scene)) columns.push_back({"molten", "1"});
   if (scene.mechanics) {
     for (const char* name :
          {"kinetic", "kinetic_physical", "elastic", "elastic_stored", "plastic", "viscous", "artificial_stress",
@@ -185,6 +199,7 @@ std::vector<double> history_row(const Simulation& simulation, const Diagnostics&
   std::vector<double> row{static_cast<double>(simulation.clock().step), simulation.clock().dt, d.temperature_min,
                           d.temperature_max};
   const auto put = [&](std::initializer_list<double> values) { row.insert(row.end(), values); };
+  if (can_melt(scene)) put({static_cast<double>(d.molten)});
   if (scene.mechanics) {
     const EnergyBalance& e = d.energy;
     const double internal = e.elastic + e.plastic;

@@ -36,6 +36,7 @@ struct Diagnostics {
   double plastic_strain_max = 0;
   double inertia_number = 0;  ///< max of rho_scaled v^2/sigma_y
   double viscous_ratio = 0;   ///< viscous over plastic dissipation
+  std::int64_t molten = 0;    ///< particles above the melting temperature of their flow stress
   std::int64_t leaked = 0;    ///< particles further inside a rigid body than a spacing, or gone
   std::vector<double> probes;
 };
@@ -45,6 +46,9 @@ Diagnostics diagnose(const Simulation& simulation);
 /// Columns and values of history.csv besides the time.
 std::vector<HistoryColumn> history_columns(const Scene& scene);
 std::vector<double> history_row(const Simulation& simulation, const Diagnostics& diagnostics);
+
+/// Whether metal can get hotter than a flow stress of the scene has a meaning.
+bool can_melt(const Scene& scene);
 
 /// Index of the rigid body a log line shows as "the tool": the first that moves or turns; -1 without one.
 int tool_index(const Scene& scene);

@@ -95,6 +95,7 @@ class Run {
   std::int64_t first_step_ = 0;
   double last_progress_ = 0, last_checkpoint_ = 0, checkpoint_cost_ = 0;
   std::array<bool, guard_count> warned_{};  ///< once in this program's life is enough
+  bool warned_of_melting_ = false;
   double last_scale_ = 0;
   std::int64_t last_snapshot_step_ = -1, last_checkpoint_step_ = -1;
 };
@@ -223,7 +224,16 @@ void Run::watch_inertia() {
 }
 
 void Run::record_history() {
-  const std::vector<double> row = history_row(simulation_, diagnose(simulation_));
+  const Diagnostics now = diagnose(simulation_);
+  if (now.molten > 0 && !warned_of_melting_) {
+    warned_of_melting_ = true;
+    log::warning(fmt::format(
+        "{} particles are above the melting temperature of their metal at t = {:.6g} s (hottest {:.1f} K). The "
+        "flow stress has no meaning there; its residual strength goes on making heat. Where this is more than a few "
+        "particles for a moment, conduct more heat away or rub less",
+        now.molten, simulation_.clock().time, now.temperature_max));
+  }
+  const std::vector<double> row = history_row(simulation_, now);
   comm_.together([&] { history_.write(simulation_.clock().time, row); });
 }
 
@@ -337,6 +347,9 @@ void Run::print_report(const Diagnostics& d) {
     log::info(fmt::format(
         "energy residual {:.3g}; viscous/plastic dissipation {:.3g}; inertia number {:.3g}; leaked particles {}",
         e.residual(), d.viscous_ratio, d.inertia_number, d.leaked));
+    if (d.molten > 0)
+      log::warning(fmt::format("{} of {} particles are above the melting temperature of their metal", d.molten,
+                               simulation_.particle_count()));
     if (std::abs(e.residual()) > doubtful_residual)
       log::warning(fmt::format(
           "the energy balance is open by {:.0f} %: do not trust this run. Take smaller steps (time.cfl, time.step), "
