@@ -32,8 +32,8 @@ struct FlowBatch {
   double shear_modulus = 0;                ///< Pa
   double* increment = nullptr;             ///< out: plastic strain increment, >= 0
   double* flow_stress = nullptr;           ///< out: Pa, sigma_y after the step
-  const double* rate_factor = nullptr;     ///< rate that the strength feels over the particle's own; or null for 1
   const double* previous_rate = nullptr;   ///< 1/s, plastic strain rate of the last step, a first guess; or null
+  const double* rate_factor = nullptr;     ///< rate that the strength feels over the particle's own; or null for 1
 };
 
 class FlowStress {

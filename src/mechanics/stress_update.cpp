@@ -125,8 +125,8 @@ long return_map(const std::vector<Material>& materials, const MaterialFields<S>&
     if (const Material& m = materials[static_cast<std::size_t>(id)]; m.flow)
       iterations +=
           m.flow->return_map({static_cast<int>(end - k), trial + k, f.plastic_strain + i0 + k, f.temperature + i0 + k,
-                              dt, m.shear_modulus(), increment + k, f.flow_stress + i0 + k,
-                              f.rate_factor ? f.rate_factor + i0 + k : nullptr, f.plastic_rate + i0 + k});
+                              dt, m.shear_modulus(), increment + k, f.flow_stress + i0 + k, f.plastic_rate + i0 + k,
+                              f.rate_factor ? f.rate_factor + i0 + k : nullptr});
     k = end;
   }
   return iterations;
