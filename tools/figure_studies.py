@@ -142,8 +142,9 @@ def mass_scaling(runner, records, options, path):
     right.loglog(scales, numbers["C8"]["cpu_s"], "^-", color=line.get_color())
 
     left.axhline(0.01, color="0.5", ls=":")
-    left.set(xlabel="density scale s", ylabel="relative error of the force", title="3: error of scaled mass, formulas as lines")
-    left.legend(fontsize=7)
+    left.set(xlabel="density scale s", ylabel="relative error of the force", title="3: error of scaled mass, formulas as lines",
+             ylim=(1e-5, None))  # room for the legend
+    left.legend(fontsize=7, loc="lower right")
     right.set(xlabel="density scale s", ylabel="CPU time [s]", title="time saved")
     finish(figure, path)
     return numbers
