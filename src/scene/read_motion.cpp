@@ -1,5 +1,7 @@
 #include "scene/read_motion.hpp"
 
+#include <cmath>
+
 namespace stirsph {
 
 using input::Parameters;
@@ -96,6 +98,17 @@ MotionScene read_motion(const Parameters& p) {
   }
   if (p.has("retreat")) motion.retreat = read_retreat(p.table("retreat"), motion);
   return motion;
+}
+
+bool GripScene::rigid(const Space& space) const {
+  const auto same_everywhere = [&](const OptionalExpression& component) {
+    return component && !component->contains("x") && !component->contains("y") && !component->contains("z");
+  };
+  for (int d = 0; d < layout_of(space).velocity_components; ++d) {
+    const bool across = rotation && std::abs(rotation->axis[d]) < 1e-9;
+    if (!across && !same_everywhere(velocity[d])) return false;
+  }
+  return true;
 }
 
 }  // namespace stirsph

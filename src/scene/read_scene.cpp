@@ -397,21 +397,6 @@ void refuse_one_component(const Parameters& p, const ProbeScene& probe, const Sc
                      ". Allowed: a set (or scene) of two or more; by = \"body\" tells bodies of one material apart.");
 }
 
-}  // namespace
-
-bool GripScene::rigid(const Space& space) const {
-  const auto same_everywhere = [&](const OptionalExpression& component) {
-    return component && !component->contains("x") && !component->contains("y") && !component->contains("z");
-  };
-  for (int d = 0; d < layout_of(space).velocity_components; ++d) {
-    const bool across = rotation && std::abs(rotation->axis[d]) < 1e-9;
-    if (!across && !same_everywhere(velocity[d])) return false;
-  }
-  return true;
-}
-
-namespace {
-
 void read_sets_and_probes(const Parameters& root, Scene& scene) {
   for (const Parameters& p : root.tables("set")) {
     refuse_duplicate(p, p.text("name"), scene.sets);
