@@ -45,6 +45,7 @@ struct MaterialFields {
     if (particles.has(field::artificial_stress)) all(field::artificial_stress, extra);
     if (particles.has(field::corrected_stress)) all(field::corrected_stress, corrected);
     if (particles.has(field::velocity_gradient)) all(field::velocity_gradient, velocity_gradient);
+    if (particles.has(field::volumetric_strain_gradient)) all(field::volumetric_strain_gradient, strain_gradient);
     if (particles.has(field::strain_rate)) all(field::strain_rate, strain_rate);
     if (particles.has(field::inverse_moment)) all(field::inverse_moment, inverse_moment);
     if (particles.has(field::heat_input)) heat_input = particles[field::heat_input].data();
@@ -53,6 +54,7 @@ struct MaterialFields {
   }
   std::array<double*, S::stress_components> deviator, stress, extra{}, strain_rate{};
   std::array<double*, S::velocity_components * S::dim> corrected{}, velocity_gradient{}, inverse_moment{};
+  std::array<double*, S::dim> strain_gradient{};
   std::array<const double*, S::dim> position;
   std::array<const double*, S::velocity_components> velocity;
   double *strain, *volume, *plastic_strain, *plastic_rate, *flow_stress;
@@ -208,6 +210,9 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
       const Lanes mean = bulk * strain;
       store_lanes(strain, f.strain + at, filled);
       store_lanes(volume, f.volume + at, filled);
+      if (diffusive)
+        for (int b = 0; b < dim; ++b)
+          store_lanes(load(&block.strain_gradient[b][at - first]), f.strain_gradient[b] + at, filled);
       if (settings_.variable_h)
         store_lanes(smoothing_length() * exponential(Lanes(strain * (1.0 / dim))), f.smoothing + at, filled);
 

@@ -43,6 +43,8 @@ int signs_of(Shape shape, int component, const SpaceLayout& layout) {
   switch (shape) {
     case Shape::Velocity:
       return 1 << component;
+    case Shape::Position:  // a vector of the space of positions
+      return 1 << layout.axes[component];
     case Shape::SymmetricTensor: {
       constexpr std::array<int, 6> signs{0, 0, 0, 0b011, 0b101, 0b110};  // xx yy zz xy xz yz
       return signs[component];

@@ -35,6 +35,9 @@ inline constexpr FieldInfo velocity{"velocity", "m/s", "velocity", Shape::Veloci
 inline constexpr FieldInfo acceleration{"acceleration", "m/s2", "acceleration by all forces", Shape::Velocity};
 inline constexpr FieldInfo volumetric_strain{"volumetric_strain", "1", "ln(rho0/rho), the integral of div v",
                                              Shape::Scalar, Halo::Stress};
+inline constexpr FieldInfo volumetric_strain_gradient{"volumetric_strain_gradient", "1/m",
+                                                      "gradient of the volumetric strain, for the density diffusion",
+                                                      Shape::Position, Halo::Stress};
 inline constexpr FieldInfo volume{"volume", "m3", "m/rho", Shape::Scalar, Halo::Stress, true};
 inline constexpr FieldInfo smoothing_length{"smoothing_length", "m", "kernel smoothing length h", Shape::Scalar,
                                             Halo::Stress};

@@ -137,6 +137,9 @@ State plain_update(const ParticleSet& p, const GradientResult<S>& motion, const 
           put("corrected_stress " + std::to_string(a * dim + b), sum);
         }
     put("volumetric_strain 0", strain);
+    if (settings.density_diffusion > 0)
+      for (int b = 0; b < dim; ++b)
+        put("volumetric_strain_gradient " + std::to_string(b), motion.strain_gradient[i][b]);
     put("volume 0", volume);
     put("equivalent_plastic_strain 0", plastic_strain + increment);
     put("plastic_strain_rate 0", increment / dt);

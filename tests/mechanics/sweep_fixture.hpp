@@ -37,7 +37,7 @@ LatticeBody disordered_body(int count, double h_over_dx, double support, double 
     for (const FieldInfo* info :
          {&field::velocity, &field::acceleration, &field::volumetric_strain, &field::stress_deviator, &field::stress,
           &field::equivalent_plastic_strain, &field::plastic_strain_rate, &field::flow_stress, &field::temperature,
-          &field::artificial_stress, &field::corrected_stress, &field::strain_rate})
+          &field::artificial_stress, &field::corrected_stress, &field::strain_rate, &field::volumetric_strain_gradient})
       particles.add(*info);
   });
   ParticleSet& p = body.particles;
@@ -61,13 +61,15 @@ LatticeBody disordered_body(int count, double h_over_dx, double support, double 
     }
     for (int c = 0; c < S::velocity_components * S::dim; ++c)
       p.component(field::corrected_stress, c)[i] = 1e8 * even(random);
+    for (int d = 0; d < S::dim; ++d)
+      p.component(field::volumetric_strain_gradient, d)[i] = 0.03 / spacing * even(random);
   }
   return body;
 }
 
-template <class S, bool VariableH>
+template <class S, bool VariableH, bool Diffusion>
 AlignedVector gradient_records(const ParticleSet& p) {
-  using Record = GradientRecord<S, VariableH>;
+  using Record = GradientRecord<S, VariableH, Diffusion>;
   AlignedVector records(p.capacity() * Record::size, 0.0);
   for (std::size_t i = 0; i < p.capacity(); ++i) {
     double* record = records.data() + i * Record::size;
@@ -76,7 +78,11 @@ AlignedVector gradient_records(const ParticleSet& p) {
       record[Record::v + d] = p.component(field::velocity, d)[i];
     }
     record[Record::volume] = p[field::volume][i];
-    record[Record::strain] = p.has(field::volumetric_strain) ? p[field::volumetric_strain][i] : 0.0;
+    if constexpr (Diffusion) {
+      record[Record::strain] = p[field::volumetric_strain][i];
+      for (int d = 0; d < S::dim; ++d)
+        record[Record::strain_gradient + d] = p.component(field::volumetric_strain_gradient, d)[i];
+    }
     if constexpr (VariableH) record[Record::h] = p[field::smoothing_length][i];
   }
   return records;
@@ -87,12 +93,13 @@ template <class S>
 struct GradientResult {
   std::vector<Matrix<S::dim>> gradient, correction;
   std::vector<double> diffusion;
+  std::vector<Vec3> strain_gradient;
   long fallbacks = 0;
 };
 template <class S, class K, bool Corrected, bool Diffusion = false, bool VariableH = false, bool Keep = false>
 GradientResult<S> swept_gradient(const ParticleSet& p, const PairList& pairs, double smoothing) {
   constexpr int dim = S::dim;
-  const AlignedVector records = gradient_records<S, VariableH>(p);
+  const AlignedVector records = gradient_records<S, VariableH, Diffusion>(p);
   GradientResult<S> result;
   GradientBlock<S> block{};
   ActivePairs active;
@@ -109,6 +116,8 @@ GradientResult<S> swept_gradient(const ParticleSet& p, const PairList& pairs, do
         correction.a[c] = block.correction[c][i - first * cluster_size];
       }
       result.diffusion.push_back(block.diffusion[i - first * cluster_size]);
+      Vec3& slope = result.strain_gradient.emplace_back();
+      for (int d = 0; d < dim; ++d) slope[d] = block.strain_gradient[d][i - first * cluster_size];
     }
   }
   return result;
