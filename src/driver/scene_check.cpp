@@ -64,7 +64,8 @@ std::string check_scene(const Comm& comm, const Scene& scene) {
     const MechanicsSettings& n = scene.numerics;
     const char* correction[] = {"off", "velocity gradient", "velocity gradient and momentum"};
     line("gradient correction", correction[static_cast<int>(n.gradient_correction)]);
-    line("density diffusion", on(n.density_diffusion > 0));
+    line("density diffusion",
+         n.density_diffusion > 0 && n.density_reconstruction ? "on, reconstructed" : on(n.density_diffusion > 0));
     line("artificial stress", on(n.artificial_stress > 0));
     line("hourglass control", on(n.hourglass_control > 0));
     line("variable h", on(n.variable_h));

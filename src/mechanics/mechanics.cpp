@@ -40,7 +40,7 @@ void MechanicsIn<S>::add_fields(ParticleSet& particles) const {
     particles.add(field::hourglass_stress);
   }
   if (reconstructs_viscosity()) particles.add(field::strain_rate);
-  if (settings_.density_diffusion > 0) particles.add(field::volumetric_strain_gradient);
+  if (diffusion_of(settings_) == DensityDiffusion::Reconstructed) particles.add(field::volumetric_strain_gradient);
   if (settings_.heat_input) particles.add(field::heat_input);
   if (grip_rate_) GripRate::add_fields(particles);
 }
@@ -147,7 +147,7 @@ double ring_radius(double r, const Inertia& inertia) { return std::copysign(std:
 
 template <class S>
 void MechanicsIn<S>::pack_gradient_records(const ParticleSet& particles, std::size_t first, std::size_t last) {
-  const auto pack = [&]<bool VariableH, bool Diffusion>() {
+  const auto pack = [&]<bool VariableH, DensityDiffusion Diffusion>() {
     using Record = GradientRecord<S, VariableH, Diffusion>;
     std::vector<RecordColumn> columns;
     const auto put = [&](int slot, const FieldInfo& info, int c) {
@@ -156,10 +156,9 @@ void MechanicsIn<S>::pack_gradient_records(const ParticleSet& particles, std::si
     for (int d = 0; d < S::dim; ++d) put(Record::x + d, field::position, d);
     for (int d = 0; d < S::velocity_components; ++d) put(Record::v + d, field::velocity, d);
     put(Record::volume, field::volume, 0);
-    if constexpr (Diffusion) {
-      put(Record::strain, field::volumetric_strain, 0);
+    if constexpr (Record::diffuses) put(Record::strain, field::volumetric_strain, 0);
+    if constexpr (Record::reconstructs)
       for (int d = 0; d < S::dim; ++d) put(Record::strain_gradient + d, field::volumetric_strain_gradient, d);
-    }
     if constexpr (VariableH) put(Record::h, field::smoothing_length, 0);
     records_.resize(particles.capacity() * Record::size);
     fill_records(columns, first, last, Record::size, records_.data());
@@ -171,10 +170,17 @@ void MechanicsIn<S>::pack_gradient_records(const ParticleSet& particles, std::si
         record[Record::volume] /= 2 * std::numbers::pi * std::abs(radius);
       }
   };
-  if (settings_.density_diffusion > 0)
-    settings_.variable_h ? pack.template operator()<true, true>() : pack.template operator()<false, true>();
-  else
-    settings_.variable_h ? pack.template operator()<true, false>() : pack.template operator()<false, false>();
+  const auto with_h = [&]<DensityDiffusion Diffusion>() {
+    settings_.variable_h ? pack.template operator()<true, Diffusion>() : pack.template operator()<false, Diffusion>();
+  };
+  switch (diffusion_of(settings_)) {
+    case DensityDiffusion::Off:
+      return with_h.template operator()<DensityDiffusion::Off>();
+    case DensityDiffusion::Plain:
+      return with_h.template operator()<DensityDiffusion::Plain>();
+    case DensityDiffusion::Reconstructed:
+      return with_h.template operator()<DensityDiffusion::Reconstructed>();
+  }
 }
 
 template <class S>

@@ -14,10 +14,11 @@
 /// and zero, so that it takes no more out of the motion than without and gives nothing back. A smooth flow is then free
 /// of viscosity to the second order; shocks (where the rates of both ends differ) and what single particles do are not.
 ///
-/// The density diffusion sees of the jump of the volumetric strain e between two particles what the gradients of e at
-/// both ends (those of the last step) leave of it, (e_i - e_j) - (g_i + g_j).d/2, as in Antuono, Colagrossi, Marrone &
-/// Molteni (Comput. Phys. Commun. 181, 2010). A pressure that varies smoothly stays where it is; without that metal is
-/// pumped out of loaded regions, whose particles then crowd while others drift apart.
+/// The density diffusion smooths the volumetric strain e by the jumps e_i - e_j between particles. With reconstruction
+/// it sees what the gradients of e at both ends (those of the last step) leave of a jump, (e_i - e_j) - (g_i +
+/// g_j).d/2, as in Antuono, Colagrossi, Marrone & Molteni (Comput. Phys. Commun. 181, 2010): a pressure that varies
+/// smoothly stays where it is. Without, metal is pumped out of loaded regions, whose particles then crowd while others
+/// drift apart.
 ///
 /// In the axisymmetric space the sums run over the half-plane (kernel of two dimensions, V_j = the ring's section A_j)
 /// and over generalised quantities: velocities v_r, omega = v_theta/r, v_z and the stresses 2 pi r sigma_r., 2 pi r^2
@@ -154,15 +155,16 @@ struct GradientBlock {
   alignas(64) Gradient gradient;  ///< d v_a / d x_b at a * dim + b
   alignas(64) Gradient plain;     ///< the same before its correction; set where the momentum sum has none
   alignas(64) double correction[S::dim * S::dim][size];  ///< M^-1, identity where it is singular; set when asked for
-  alignas(64) double diffusion[size];  ///< sum of V_j (e_i - e_j) W'/r, of what the gradients of e leave of e_i - e_j;
-                                       ///< W' < 0, so it pulls e_i towards its neighbours
-  alignas(64) double strain_gradient[S::dim][size];  ///< d e / d x_b
+  alignas(64) double diffusion[size];  ///< sum of V_j (e_i - e_j) W'/r; W' < 0, so it pulls e_i towards its neighbours
+  alignas(64) double strain_gradient[S::dim][size];  ///< d e / d x_b; set where it is needed for the diffusion
 };
 
-template <class S, bool VariableH, bool Diffusion>
+template <class S, bool VariableH, DensityDiffusion Diffusion>
 struct GradientRecord {
+  static constexpr bool diffuses = Diffusion != DensityDiffusion::Off,
+                        reconstructs = Diffusion == DensityDiffusion::Reconstructed;
   static constexpr int x = 0, v = S::dim, volume = v + S::velocity_components, strain = volume + 1,
-                       strain_gradient = strain + (Diffusion ? 1 : 0), h = strain_gradient + (Diffusion ? S::dim : 0);
+                       strain_gradient = strain + (diffuses ? 1 : 0), h = strain_gradient + (reconstructs ? S::dim : 0);
   static constexpr int size = padded_record(h + (VariableH ? 1 : 0));
 };
 
@@ -208,7 +210,7 @@ void load_rows(const AlignedVector& records, std::size_t first, int offset, int 
 
 /// First sweep over clusters [first, last). `smoothing` is h when it is the same for all particles. Returns how many of
 /// the `owned` particles could not be corrected (the last cluster may hold padding behind them).
-template <class S, class K, bool Corrected, bool Diffusion, bool VariableH, bool KeepCorrection = false>
+template <class S, class K, bool Corrected, DensityDiffusion Diffusion, bool VariableH, bool KeepCorrection = false>
 long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs, std::size_t first, std::size_t last,
                              std::size_t owned, double smoothing, GradientBlock<S>& block, ActivePairs& active) {
   constexpr int dim = S::dim, components = S::velocity_components;
@@ -221,10 +223,8 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
       Lanes xi[dim], vi[components], ei{}, gi[dim], hi{};
       load_rows<S, Record>(records, i0, Record::x, dim, xi);
       load_rows<S, Record>(records, i0, Record::v, components, vi);
-      if constexpr (Diffusion) {
-        load_rows<S, Record>(records, i0, Record::strain, 1, &ei);
-        load_rows<S, Record>(records, i0, Record::strain_gradient, dim, gi);
-      }
+      if constexpr (Record::diffuses) load_rows<S, Record>(records, i0, Record::strain, 1, &ei);
+      if constexpr (Record::reconstructs) load_rows<S, Record>(records, i0, Record::strain_gradient, dim, gi);
       if constexpr (VariableH) load_rows<S, Record>(records, i0, Record::h, 1, &hi);
       LaneMatrix<Lanes, components, dim> gradient;
       LaneMatrix<Lanes, 1, dim> strain_gradient;
@@ -259,10 +259,10 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
           weight = other[Record::volume] * constant * K::slope(q) / r;
         }
         [[maybe_unused]] Lanes jump{}, own = 0.0, others = 0.0;  // of the volumetric strain
-        if constexpr (Diffusion) jump = ei - other[Record::strain];
+        if constexpr (Record::diffuses) jump = ei - other[Record::strain];
         for (int b = 0; b < dim; ++b) {
           const Lanes g = weight * d[b];
-          if constexpr (Diffusion) {
+          if constexpr (Record::reconstructs) {
             strain_gradient.a[0][b] -= g * jump;
             own += gi[b] * d[b];
             others += other[Record::strain_gradient + b] * d[b];
@@ -271,7 +271,8 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
           if constexpr (Corrected)
             for (int a = 0; a <= b; ++a) moment.a[a][b] -= g * d[a];
         }
-        if constexpr (Diffusion) diffusion += weight * (jump - 0.5 * (own + others));
+        if constexpr (Record::reconstructs) jump -= 0.5 * (own + others);
+        if constexpr (Record::diffuses) diffusion += weight * jump;
         return stdx::any_of(q < Lanes(K::support));
       };
       for (const std::int32_t j : pairs.candidates_before_end(cluster)) visit(j);
@@ -311,7 +312,7 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
         const LaneMatrix<Lanes, components, dim> corrected = multiply(gradient, cofactors);
         for (int a = 0; a < components; ++a)
           for (int b = 0; b < dim; ++b) stdx::where(sound, gradient.a[a][b]) = corrected.a[a][b] / det;
-        if constexpr (Diffusion) {
+        if constexpr (Record::reconstructs) {
           const LaneMatrix<Lanes, 1, dim> exact = multiply(strain_gradient, cofactors);
           for (int b = 0; b < dim; ++b) stdx::where(sound, strain_gradient.a[0][b]) = exact.a[0][b] / det;
         }
@@ -324,11 +325,10 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
             }
       }
       store(block.gradient);
-      if constexpr (Diffusion) {
-        diffusion.copy_to(&block.diffusion[at], stdx::vector_aligned);
+      if constexpr (Record::diffuses) diffusion.copy_to(&block.diffusion[at], stdx::vector_aligned);
+      if constexpr (Record::reconstructs)
         for (int b = 0; b < dim; ++b)
           strain_gradient.a[0][b].copy_to(&block.strain_gradient[b][at], stdx::vector_aligned);
-      }
     }
   }
   return fallbacks;

@@ -14,6 +14,10 @@ enum class GradientCorrection {
              ///< surfaces
 };
 
+/// Smoothing of the volumetric strain between particles (delta-SPH), by its jumps or by what its gradients leave of
+/// them.
+enum class DensityDiffusion { Off, Plain, Reconstructed };
+
 struct MechanicsSettings {
   Kernel kernel = CubicSpline{};
   double spacing = 0;       ///< m, initial particle spacing dx
@@ -24,6 +28,7 @@ struct MechanicsSettings {
   double viscosity_beta = 0;              ///< quadratic artificial viscosity
   bool viscosity_reconstruction = false;  ///< viscosity sees what a linear velocity field leaves of the approach
   double density_diffusion = 0;           ///< delta of delta-SPH, on the volumetric strain; 0 = off
+  bool density_reconstruction = false;    ///< the diffusion sees what a linear field leaves of a jump
   double artificial_stress = 0;           ///< epsilon of Gray, Monaghan & Swift (2001); 0 = off
   double hourglass_control = 0;           ///< zeta of hourglass.hpp; 0 = off
   double density_scale = 1;               ///< s: inertial mass over physical mass
@@ -35,6 +40,11 @@ struct MechanicsSettings {
   bool rigid_grips = false;               ///< some particles belong to grips that move as rigid bodies (field held)
   bool heat_input = false;                ///< plastic heat is collected in the field heat_input
 };
+
+inline DensityDiffusion diffusion_of(const MechanicsSettings& settings) {
+  if (settings.density_diffusion == 0) return DensityDiffusion::Off;
+  return settings.density_reconstruction ? DensityDiffusion::Reconstructed : DensityDiffusion::Plain;
+}
 
 /// The inertia they mean; `axisymmetric`: of the space.
 inline Inertia inertia_of(const MechanicsSettings& settings, bool axisymmetric) {

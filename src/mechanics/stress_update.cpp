@@ -210,7 +210,7 @@ void MechanicsIn<S>::update_block(ParticleSet& particles, const GradientBlock<S>
       const Lanes mean = bulk * strain;
       store_lanes(strain, f.strain + at, filled);
       store_lanes(volume, f.volume + at, filled);
-      if (diffusive)
+      if (f.strain_gradient[0])
         for (int b = 0; b < dim; ++b)
           store_lanes(load(&block.strain_gradient[b][at - first]), f.strain_gradient[b] + at, filled);
       if (settings_.variable_h)

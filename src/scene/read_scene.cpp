@@ -65,6 +65,7 @@ void read_numerics(const Parameters& root, Scene& scene) {
   m.viscosity_beta = n.real("viscosity_beta");
   m.viscosity_reconstruction = n.boolean("viscosity_reconstruction");
   m.density_diffusion = n.real("density_diffusion");
+  m.density_reconstruction = n.boolean("density_reconstruction");
   m.artificial_stress = n.real("artificial_stress");
   m.hourglass_control = n.real("hourglass_control");
   if (m.hourglass_control > 0 && m.gradient_correction != GradientCorrection::Full)

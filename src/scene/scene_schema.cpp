@@ -104,7 +104,15 @@ void declare_numerics(Schema& s) {
             "the viscosity sees only what the strain rates of both particles leave of a pair's approach: a smooth flow "
             "is then free of it, noise and shocks are not")
       .by_default("false");
-  n.real("density_diffusion", "delta of the density diffusion (delta-SPH)").range(0, 1).by_default(0.0);
+  n.real("density_diffusion",
+         "delta of the density diffusion (delta-SPH), which smooths pressure from particle to particle")
+      .range(0, 1)
+      .by_default(0.0);
+  n.boolean(
+       "density_reconstruction",
+       "the density diffusion sees only what the gradients of both particles leave of a jump: a pressure that varies "
+       "smoothly stays, and no metal is pumped out of loaded regions (src/mechanics/README.md)")
+      .by_default("false");
   n.real("artificial_stress", "epsilon of the artificial stress against the tensile instability")
       .range(0, 1)
       .by_default(0.0);

@@ -17,7 +17,8 @@ using testing::swept_gradient;
 
 /// The sums of pair_sweep.hpp, written down once more.
 template <class S, class K>
-GradientResult<S> plain_sums(const ParticleSet& p, double smoothing, bool corrected, bool variable_h) {
+GradientResult<S> plain_sums(const ParticleSet& p, double smoothing, bool corrected, DensityDiffusion diffusing,
+                             bool variable_h) {
   constexpr int dim = S::dim;
   GradientResult<S> result;
   for (std::size_t i = 0; i < p.owned(); ++i) {
@@ -40,7 +41,9 @@ GradientResult<S> plain_sums(const ParticleSet& p, double smoothing, bool correc
       const Vec3 mean =
           0.5 * (p.vector_at(field::volumetric_strain_gradient, i) + p.vector_at(field::volumetric_strain_gradient, j));
       if (j != i)
-        diffusion += volume * (strain[i] - strain[j] - dot(mean, d)) * kernel_slope<K>(norm(d), h, dim) / norm(d);
+        diffusion += volume *
+                     (strain[i] - strain[j] - (diffusing == DensityDiffusion::Reconstructed ? dot(mean, d) : 0.0)) *
+                     kernel_slope<K>(norm(d), h, dim) / norm(d);
     }
     result.correction.push_back(inverse(moment));
     result.gradient.push_back(corrected ? gradient * result.correction.back() : gradient);
@@ -69,29 +72,31 @@ class GradientOracle : public ::testing::Test {
   using TheSpace = std::tuple_element_t<0, SpaceAndKernel>;
   using TheKernel = std::tuple_element_t<1, SpaceAndKernel>;
 
-  template <bool Corrected, bool Diffusion, bool VariableH, bool Keep>
+  template <bool Corrected, DensityDiffusion Diffusion, bool VariableH, bool Keep>
   double compare(const ParticleSet& p, const PairList& pairs, double smoothing) {
     using S = TheSpace;
     using K = TheKernel;
     const auto swept = swept_gradient<S, K, Corrected, Diffusion, VariableH, Keep>(p, pairs, smoothing);
-    const auto plain = plain_sums<S, K>(p, smoothing, Corrected, VariableH);
+    const auto plain = plain_sums<S, K>(p, smoothing, Corrected, Diffusion, VariableH);
     EXPECT_EQ(swept.fallbacks, 0);
     double difference = 0, size = 0, kept = 0, kept_size = 1, diffused = 0, diffused_size = 1e-300, sloped = 0,
            slope_size = 1e-300;
     for (std::size_t i = 0; i < p.owned(); ++i) {
       track(swept.gradient[i], plain.gradient[i], difference, size);
       if (Keep) track(swept.correction[i], plain.correction[i], kept, kept_size);
-      if (Diffusion) {
+      if (Diffusion != DensityDiffusion::Off) {
         diffused = std::max(diffused, std::abs(swept.diffusion[i] - plain.diffusion[i]));
         diffused_size = std::max(diffused_size, std::abs(plain.diffusion[i]));
+      }
+      if (Diffusion == DensityDiffusion::Reconstructed) {
         sloped = std::max(sloped, norm(swept.strain_gradient[i] - plain.strain_gradient[i]));
         slope_size = std::max(slope_size, norm(plain.strain_gradient[i]));
       }
     }
     const double worst = std::max({difference / size, kept / kept_size, diffused / diffused_size, sloped / slope_size});
     // Round-off of sums of a hundred terms, times the condition number of M (about 5 at corners).
-    EXPECT_LT(worst, 1e-12) << "corrected " << Corrected << " diffusion " << Diffusion << " variable h " << VariableH
-                            << " keep " << Keep;
+    EXPECT_LT(worst, 1e-12) << "corrected " << Corrected << " diffusion " << static_cast<int>(Diffusion)
+                            << " variable h " << VariableH << " keep " << Keep;
     return worst;
   }
 };
@@ -110,15 +115,17 @@ TYPED_TEST(GradientOracle, EveryOption) {
   const double h = h_over_dx * 0.4e-3;
   const auto& [p, pairs] = std::tie(body.particles, body.pairs);
   double worst = 0;
-  const auto run = [&]<bool Diffusion, bool VariableH>() {
+  const auto run = [&]<DensityDiffusion Diffusion, bool VariableH>() {
     worst = std::max(worst, this->template compare<false, Diffusion, VariableH, false>(p, pairs, h));
     worst = std::max(worst, this->template compare<true, Diffusion, VariableH, false>(p, pairs, h));
     worst = std::max(worst, this->template compare<true, Diffusion, VariableH, true>(p, pairs, h));
   };
-  run.template operator()<false, false>();
-  run.template operator()<false, true>();
-  run.template operator()<true, false>();
-  run.template operator()<true, true>();
+  run.template operator()<DensityDiffusion::Off, false>();
+  run.template operator()<DensityDiffusion::Off, true>();
+  run.template operator()<DensityDiffusion::Plain, false>();
+  run.template operator()<DensityDiffusion::Plain, true>();
+  run.template operator()<DensityDiffusion::Reconstructed, false>();
+  run.template operator()<DensityDiffusion::Reconstructed, true>();
   std::printf("%.*s, %d-D: largest relative difference from the plain sum %.1e\n", int(K::keyword.size()),
               K::keyword.data(), S::dim, worst);
 }
@@ -134,7 +141,7 @@ TYPED_TEST(GradientOracle, LinearPressureIsNotDiffused) {
     p[field::volumetric_strain][i] = slope * p.component(field::position, 1)[i];
     for (int d = 0; d < S::dim; ++d) p.component(field::volumetric_strain_gradient, d)[i] = d == 1 ? slope : 0;
   }
-  const auto swept = swept_gradient<S, K, true, true>(p, body.pairs, h_over_dx * spacing);
+  const auto swept = swept_gradient<S, K, true, DensityDiffusion::Reconstructed>(p, body.pairs, h_over_dx * spacing);
   for (std::size_t i = 0; i < p.owned(); ++i) {
     EXPECT_NEAR(swept.diffusion[i] * spacing / slope, 0, 1e-11);  // plain differences leave 0.5 at a face
     for (int d = 0; d < S::dim; ++d) EXPECT_NEAR(swept.strain_gradient[i][d], d == 1 ? slope : 0, 1e-10 * slope);

@@ -137,7 +137,7 @@ State plain_update(const ParticleSet& p, const GradientResult<S>& motion, const 
           put("corrected_stress " + std::to_string(a * dim + b), sum);
         }
     put("volumetric_strain 0", strain);
-    if (settings.density_diffusion > 0)
+    if (settings.density_reconstruction)
       for (int b = 0; b < dim; ++b)
         put("volumetric_strain_gradient " + std::to_string(b), motion.strain_gradient[i][b]);
     put("volume 0", volume);
@@ -170,7 +170,7 @@ double difference(const ParticleSet& p, const std::string& name, const std::vect
 template <class S>
 class MaterialUpdate : public ::testing::Test {
  public:
-  template <bool Corrected, bool Diffusion, bool Full>
+  template <bool Corrected, DensityDiffusion Diffusion, bool Full>
   void compare() {
     auto body = disordered_body<S>(S::dim == 3 ? 6 : 17, 1.3, 2);
     ParticleSet& p = body.particles;
@@ -181,7 +181,8 @@ class MaterialUpdate : public ::testing::Test {
     settings.gradient_correction = Full        ? GradientCorrection::Full
                                    : Corrected ? GradientCorrection::Velocity
                                                : GradientCorrection::None;
-    settings.density_diffusion = Diffusion ? 0.1 : 0;
+    settings.density_diffusion = Diffusion == DensityDiffusion::Off ? 0 : 0.1;
+    settings.density_reconstruction = Diffusion == DensityDiffusion::Reconstructed;
     settings.artificial_stress = 0.3;
     settings.heat_input = true;
     const auto mechanics = make_mechanics(S{}, settings, mixed_materials());
@@ -202,16 +203,19 @@ class MaterialUpdate : public ::testing::Test {
     EXPECT_GT(yielding, 0.1);
     EXPECT_LT(yielding, 0.9);
     std::printf("%d-D, corrected %d, diffusion %d, full %d: largest relative difference %.1e, %.0f %% yield\n", S::dim,
-                Corrected, Diffusion, Full, worst, 100 * yielding);
+                Corrected, static_cast<int>(Diffusion), Full, worst, 100 * yielding);
   }
 };
 
 using Spaces = ::testing::Types<Cartesian3, PlaneStrain>;
 TYPED_TEST_SUITE(MaterialUpdate, Spaces);
-TYPED_TEST(MaterialUpdate, Plain) { this->template compare<false, false, false>(); }
-TYPED_TEST(MaterialUpdate, Corrected) { this->template compare<true, false, false>(); }
-TYPED_TEST(MaterialUpdate, Diffusion) { this->template compare<false, true, false>(); }
-TYPED_TEST(MaterialUpdate, FullWithDiffusion) { this->template compare<true, true, true>(); }
+TYPED_TEST(MaterialUpdate, Plain) { this->template compare<false, DensityDiffusion::Off, false>(); }
+TYPED_TEST(MaterialUpdate, Corrected) { this->template compare<true, DensityDiffusion::Off, false>(); }
+TYPED_TEST(MaterialUpdate, Diffusion) { this->template compare<false, DensityDiffusion::Plain, false>(); }
+TYPED_TEST(MaterialUpdate, FullWithDiffusion) { this->template compare<true, DensityDiffusion::Plain, true>(); }
+TYPED_TEST(MaterialUpdate, FullWithReconstructedDiffusion) {
+  this->template compare<true, DensityDiffusion::Reconstructed, true>();
+}
 
 }  // namespace
 }  // namespace stirsph

@@ -188,7 +188,8 @@ template <class S, bool Full, bool VariableH>
 void check_adjointness() {
   auto body = disordered_body<S>(S::dim == 3 ? 8 : 20, 1.3, 2);
   ParticleSet& p = body.particles;
-  const auto swept = swept_gradient<S, CubicSpline, Full, false, VariableH, Full>(p, body.pairs, 1.3 * spacing);
+  const auto swept =
+      swept_gradient<S, CubicSpline, Full, DensityDiffusion::Off, VariableH, Full>(p, body.pairs, 1.3 * spacing);
   double stress_power = 0, size = 0;
   for (std::size_t i = 0; i < p.owned(); ++i)
     for (int a = 0; a < S::dim; ++a)

@@ -67,7 +67,7 @@ LatticeBody disordered_body(int count, double h_over_dx, double support, double 
   return body;
 }
 
-template <class S, bool VariableH, bool Diffusion>
+template <class S, bool VariableH, DensityDiffusion Diffusion>
 AlignedVector gradient_records(const ParticleSet& p) {
   using Record = GradientRecord<S, VariableH, Diffusion>;
   AlignedVector records(p.capacity() * Record::size, 0.0);
@@ -78,11 +78,10 @@ AlignedVector gradient_records(const ParticleSet& p) {
       record[Record::v + d] = p.component(field::velocity, d)[i];
     }
     record[Record::volume] = p[field::volume][i];
-    if constexpr (Diffusion) {
-      record[Record::strain] = p[field::volumetric_strain][i];
+    if constexpr (Record::diffuses) record[Record::strain] = p[field::volumetric_strain][i];
+    if constexpr (Record::reconstructs)
       for (int d = 0; d < S::dim; ++d)
         record[Record::strain_gradient + d] = p.component(field::volumetric_strain_gradient, d)[i];
-    }
     if constexpr (VariableH) record[Record::h] = p[field::smoothing_length][i];
   }
   return records;
@@ -96,7 +95,8 @@ struct GradientResult {
   std::vector<Vec3> strain_gradient;
   long fallbacks = 0;
 };
-template <class S, class K, bool Corrected, bool Diffusion = false, bool VariableH = false, bool Keep = false>
+template <class S, class K, bool Corrected, DensityDiffusion Diffusion = DensityDiffusion::Off, bool VariableH = false,
+          bool Keep = false>
 GradientResult<S> swept_gradient(const ParticleSet& p, const PairList& pairs, double smoothing) {
   constexpr int dim = S::dim;
   const AlignedVector records = gradient_records<S, VariableH, Diffusion>(p);

@@ -113,7 +113,8 @@ TEST(RankCount, FullCorrectionAndItsCompanionsG4) {
                                            "numerics.gradient_correction=full",
                                            "time.cfl=0.3",
                                            "numerics.hourglass_control=1",
-                                           "numerics.viscosity_reconstruction=true"};
+                                           "numerics.viscosity_reconstruction=true",
+                                           "numerics.density_reconstruction=true"};
   const auto one = outcome(1, "mini_tube", overrides);
   for (int size : {2, 3, 4}) EXPECT_LT(largest_difference(one, outcome(size, "mini_tube", overrides)), 1e-11);
 }

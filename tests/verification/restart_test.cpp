@@ -64,13 +64,13 @@ TEST_P(RestartOf, IsBitwiseOnTheSameRanksG3) {
   expect_identical(*straight, resumed);
 }
 
-INSTANTIATE_TEST_SUITE_P(G3, RestartOf,
-                         ::testing::Values(Case{"mini_tube"}, Case{"meshed_tube"}, Case{"spinning_block"},
-                                           Case{"plane_shear", {"grip.1.velocity.x=\"50 m/s\""}},
-                                           Case{"mini_tube",
-                                                {"numerics.gradient_correction=full", "time.cfl=0.3",
-                                                 "numerics.hourglass_control=1",
-                                                 "numerics.viscosity_reconstruction=true"}}));
+INSTANTIATE_TEST_SUITE_P(
+    G3, RestartOf,
+    ::testing::Values(Case{"mini_tube"}, Case{"meshed_tube"}, Case{"spinning_block"},
+                      Case{"plane_shear", {"grip.1.velocity.x=\"50 m/s\""}},
+                      Case{"mini_tube",
+                           {"numerics.gradient_correction=full", "time.cfl=0.3", "numerics.hourglass_control=1",
+                            "numerics.viscosity_reconstruction=true", "numerics.density_reconstruction=true"}}));
 
 /// What the last partition reached decides on the next one: a run that forgot it would cut again.
 TEST(Restart, RemembersWhatThePartitionReachedG3) {
