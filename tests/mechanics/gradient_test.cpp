@@ -171,7 +171,8 @@ template <class S>
 void stays_plain(const char* name, const std::vector<Vec3>& places) {
   SCOPED_TRACE(name);
   const Few<S> few(places);
-  const auto result = swept_gradient<S, CubicSpline, true, false, false, true>(few.particles, few.pairs, 1.3);
+  const auto result =
+      swept_gradient<S, CubicSpline, true, DensityDiffusion::Off, false, true>(few.particles, few.pairs, 1.3);
   const auto plain = swept_gradient<S, CubicSpline, false>(few.particles, few.pairs, 1.3);
   EXPECT_EQ(result.fallbacks, static_cast<long>(places.size()));
   for (std::size_t i = 0; i < places.size(); ++i)
