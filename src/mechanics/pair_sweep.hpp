@@ -66,7 +66,7 @@ inline constexpr int across = S::velocity_components - S::dim;
 /// need up to 50.
 inline constexpr double largest_correction_of_plain_forces = 15;
 template <class S>
-inline constexpr double largest_full_correction = across<S> > 0 ? 10 : 50;
+inline constexpr double largest_full_correction = across<S> > 0 ? 7 : 50;
 
 /// Keeps r away from zero for the particle itself; (1e-30 m)^2, far below any spacing.
 inline constexpr double tiny_square = 1e-60;
