@@ -60,10 +60,10 @@ inline constexpr int across = S::velocity_components - S::dim;
 /// Largest |M^-1| (Frobenius) that a gradient is corrected with. Faces, edges and corners of a body have 2.7, 4.5 and 7
 /// (cubic spline), in disorder up to 14; in a plane faces and corners have 2.4 and 4.2. A chip of a dozen particles has
 /// more. With the plain momentum sum such a correction is a gain from velocity to stress that the forces do not have,
-/// and feeds the chip until it explodes. With the full one it makes the chip stiff by its square, beyond what the step
-/// bears: where metal flows nothing grows, but the chip's strain oscillates from step to step and makes heat. So rings,
-/// whose use is metal that flows through a narrow gap, are corrected less far; the acute corners of a sheared block
-/// need up to 50.
+/// and feeds the chip until it explodes: its gradient stays plain. With the full one it makes the chip stiff by its
+/// square, beyond what the step bears: where metal flows nothing grows, but the chip's strain oscillates from step to
+/// step and makes heat. There the correction is scaled down to the bound, without a jump. Rings, whose use is metal
+/// that flows through a narrow gap, are corrected less far; the acute corners of a sheared block need up to 50.
 inline constexpr double largest_correction_of_plain_forces = 15;
 template <class S>
 inline constexpr double largest_full_correction = across<S> > 0 ? 7 : 50;
@@ -305,22 +305,28 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
         Lanes volume = 1e-6 * trace;
         for (int a = 1; a < dim; ++a) volume *= trace;
         auto sound = trace > Lanes(0.05 * dim) && det > volume && norm2 * cofactor_norm2 < 1e4 * det * det;
-        constexpr double largest = KeepCorrection ? largest_full_correction<S> : largest_correction_of_plain_forces;
-        sound = sound && cofactor_norm2 < largest * largest * det * det;
+        // What is above the bound: with the plain momentum sum the plain gradient as well, else the bound itself.
+        Lanes share = 1.0;
+        if constexpr (KeepCorrection)
+          share = min(share, Lanes(largest_full_correction<S> * det / sqrt(cofactor_norm2)));
+        else
+          sound = sound &&
+                  cofactor_norm2 < largest_correction_of_plain_forces * largest_correction_of_plain_forces * det * det;
+        const Lanes factor = share / det;
         if (stdx::popcount(sound) != static_cast<int>(lanes))
           for (std::size_t lane = 0; lane < lanes; ++lane) fallbacks += !sound[lane] && i0 + lane < owned;
         const LaneMatrix<Lanes, components, dim> corrected = multiply(gradient, cofactors);
         for (int a = 0; a < components; ++a)
-          for (int b = 0; b < dim; ++b) stdx::where(sound, gradient.a[a][b]) = corrected.a[a][b] / det;
+          for (int b = 0; b < dim; ++b) stdx::where(sound, gradient.a[a][b]) = corrected.a[a][b] * factor;
         if constexpr (Record::reconstructs) {
           const LaneMatrix<Lanes, 1, dim> exact = multiply(strain_gradient, cofactors);
-          for (int b = 0; b < dim; ++b) stdx::where(sound, strain_gradient.a[0][b]) = exact.a[0][b] / det;
+          for (int b = 0; b < dim; ++b) stdx::where(sound, strain_gradient.a[0][b]) = exact.a[0][b] * factor;
         }
         if constexpr (KeepCorrection)
           for (int a = 0; a < dim; ++a)
             for (int b = 0; b < dim; ++b) {
               Lanes inverse = a == b ? 1.0 : 0.0;
-              stdx::where(sound, inverse) = cofactors.a[a][b] / det;
+              stdx::where(sound, inverse) = cofactors.a[a][b] * factor;
               inverse.copy_to(&block.correction[a * dim + b][at], stdx::vector_aligned);
             }
       }

@@ -185,6 +185,38 @@ void stays_plain(const char* name, const std::vector<Vec3>& places) {
       }
 }
 
+/// A zigzag of particles, nearly a line: the larger its correction, the stiffer it would be, so the correction ends at
+/// the bound, keeping its direction; below the bound it is the inverse moment.
+TEST(CorrectedGradient, FullCorrectionEndsAtItsBound) {
+  if (Comm().size() > 1) GTEST_SKIP() << "particles without a decomposition";
+  using S = PlaneStrain;
+  int bounded = 0, whole = 0;
+  for (const double amplitude : {0.08, 0.09, 0.1, 0.12, 0.15}) {
+    std::vector<Vec3> places;
+    for (int i = 0; i < 9; ++i) places.push_back({0.7 * i, i % 2 ? amplitude : -amplitude, 0});
+    const Few<S> few(places);
+    const auto result =
+        swept_gradient<S, CubicSpline, true, DensityDiffusion::Off, false, true>(few.particles, few.pairs, 1.3);
+    EXPECT_EQ(result.fallbacks, 0);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      Matrix<2> moment;
+      for (const Vec3& other : places) {
+        const Vec3 d = places[i] - other, g = testing::kernel_gradient<CubicSpline>(d, 1.3, 2);
+        for (int a = 0; a < 2; ++a)
+          for (int b = 0; b < 2; ++b) moment(a, b) -= d[a] * g[b];
+      }
+      const Matrix<2> exact = inverse(moment);
+      double size = 0;
+      for (const double value : exact.a) size += value * value;
+      const double share = std::min(1.0, largest_full_correction<S> / std::sqrt(size));
+      (share < 1 ? bounded : whole) += 1;
+      for (int c = 0; c < 4; ++c) EXPECT_NEAR(result.correction[i].a[c], share * exact.a[c], 1e-10);
+    }
+  }
+  EXPECT_GT(bounded, 5);
+  EXPECT_GT(whole, 5);
+}
+
 std::vector<Vec3> row_of(int n, const Vec3& step, int m = 1, const Vec3& other = {}) {
   std::vector<Vec3> places;
   for (int i = 0; i < n; ++i)
