@@ -147,7 +147,7 @@ double ring_radius(double r, const Inertia& inertia) { return std::copysign(std:
 
 template <class S>
 void MechanicsIn<S>::pack_gradient_records(const ParticleSet& particles, std::size_t first, std::size_t last) {
-  const auto pack = [&]<bool VariableH, DensityDiffusion Diffusion>() {
+  with_gradient_record(settings_, [&]<bool VariableH, DensityDiffusion Diffusion>() {
     using Record = GradientRecord<S, VariableH, Diffusion>;
     std::vector<RecordColumn> columns;
     const auto put = [&](int slot, const FieldInfo& info, int c) {
@@ -169,18 +169,7 @@ void MechanicsIn<S>::pack_gradient_records(const ParticleSet& particles, std::si
         record[Record::v + 1] /= radius;
         record[Record::volume] /= 2 * std::numbers::pi * std::abs(radius);
       }
-  };
-  const auto with_h = [&]<DensityDiffusion Diffusion>() {
-    settings_.variable_h ? pack.template operator()<true, Diffusion>() : pack.template operator()<false, Diffusion>();
-  };
-  switch (diffusion_of(settings_)) {
-    case DensityDiffusion::Off:
-      return with_h.template operator()<DensityDiffusion::Off>();
-    case DensityDiffusion::Plain:
-      return with_h.template operator()<DensityDiffusion::Plain>();
-    case DensityDiffusion::Reconstructed:
-      return with_h.template operator()<DensityDiffusion::Reconstructed>();
-  }
+  });
 }
 
 template <class S>

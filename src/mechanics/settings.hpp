@@ -46,6 +46,22 @@ inline DensityDiffusion diffusion_of(const MechanicsSettings& settings) {
   return settings.density_reconstruction ? DensityDiffusion::Reconstructed : DensityDiffusion::Plain;
 }
 
+/// Calls f<VariableH, Diffusion>() with what the settings choose, so that packing and sweep have one form of record.
+template <class F>
+void with_gradient_record(const MechanicsSettings& settings, const F& f) {
+  const auto with_h = [&]<DensityDiffusion Diffusion>() {
+    settings.variable_h ? f.template operator()<true, Diffusion>() : f.template operator()<false, Diffusion>();
+  };
+  switch (diffusion_of(settings)) {
+    case DensityDiffusion::Off:
+      return with_h.template operator()<DensityDiffusion::Off>();
+    case DensityDiffusion::Plain:
+      return with_h.template operator()<DensityDiffusion::Plain>();
+    case DensityDiffusion::Reconstructed:
+      return with_h.template operator()<DensityDiffusion::Reconstructed>();
+  }
+}
+
 /// The inertia they mean; `axisymmetric`: of the space.
 inline Inertia inertia_of(const MechanicsSettings& settings, bool axisymmetric) {
   return {settings.density_scale,
