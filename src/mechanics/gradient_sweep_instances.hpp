@@ -13,7 +13,8 @@ void MechanicsIn<S>::sweep_gradient(const PairList& pairs, std::size_t first, st
       counters_.gradient_fallbacks += std::visit(
           [&]<class K>(const K&) {
             return velocity_gradient_sweep<S, K, Corrected, Diffusion, VariableH, Keep>(
-                records_, pairs, first, last, owned, smoothing_length(), block, active_);
+                records_, pairs, first, last, owned, smoothing_length(), largest_correction_of(settings_), block,
+                active_);
           },
           settings_.kernel);
     });

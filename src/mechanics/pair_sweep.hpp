@@ -57,17 +57,6 @@ constexpr int padded_record(int size) { return (size + 7) / 8 * 8; }
 template <class S>
 inline constexpr int across = S::velocity_components - S::dim;
 
-/// Largest |M^-1| (Frobenius) that a gradient is corrected with. Faces, edges and corners of a body have 2.7, 4.5 and 7
-/// (cubic spline), in disorder up to 14; in a plane faces and corners have 2.4 and 4.2. A chip of a dozen particles has
-/// more. With the plain momentum sum such a correction is a gain from velocity to stress that the forces do not have,
-/// and feeds the chip until it explodes: its gradient stays plain. With the full one it makes the chip stiff by its
-/// square, beyond what the step bears: where metal flows nothing grows, but the chip's strain oscillates from step to
-/// step and makes heat. There the correction is scaled down to the bound, without a jump. Rings, whose use is metal
-/// that flows through a narrow gap, are corrected less far; the acute corners of a sheared block need up to 50.
-inline constexpr double largest_correction_of_plain_forces = 15;
-template <class S>
-inline constexpr double largest_full_correction = across<S> > 0 ? 7 : 50;
-
 /// Keeps r away from zero for the particle itself; (1e-30 m)^2, far below any spacing.
 inline constexpr double tiny_square = 1e-60;
 
@@ -208,11 +197,13 @@ void load_rows(const AlignedVector& records, std::size_t first, int offset, int 
     out[c] = Lanes([&](auto lane) { return records[(first + lane) * Record::size + offset + c]; });
 }
 
-/// First sweep over clusters [first, last). `smoothing` is h when it is the same for all particles. Returns how many of
-/// the `owned` particles could not be corrected (the last cluster may hold padding behind them).
+/// First sweep over clusters [first, last). `smoothing` is h when it is the same for all particles, `largest` the bound
+/// of settings.hpp on |M^-1|. Returns how many of the `owned` particles could not be corrected (the last cluster may
+/// hold padding behind them).
 template <class S, class K, bool Corrected, DensityDiffusion Diffusion, bool VariableH, bool KeepCorrection = false>
 long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs, std::size_t first, std::size_t last,
-                             std::size_t owned, double smoothing, GradientBlock<S>& block, ActivePairs& active) {
+                             std::size_t owned, double smoothing, double largest, GradientBlock<S>& block,
+                             ActivePairs& active) {
   constexpr int dim = S::dim, components = S::velocity_components;
   using Record = GradientRecord<S, VariableH, Diffusion>;
   const double sigma = K::normalisation(dim);
@@ -308,10 +299,9 @@ long velocity_gradient_sweep(const AlignedVector& records, const PairList& pairs
         // What is above the bound: with the plain momentum sum the plain gradient as well, else the bound itself.
         Lanes share = 1.0;
         if constexpr (KeepCorrection)
-          share = min(share, Lanes(largest_full_correction<S> * det / sqrt(cofactor_norm2)));
+          share = min(share, Lanes(largest * det / sqrt(cofactor_norm2)));
         else
-          sound = sound &&
-                  cofactor_norm2 < largest_correction_of_plain_forces * largest_correction_of_plain_forces * det * det;
+          sound = sound && cofactor_norm2 < largest * largest * det * det;
         const Lanes factor = share / det;
         if (stdx::popcount(sound) != static_cast<int>(lanes))
           for (std::size_t lane = 0; lane < lanes; ++lane) fallbacks += !sound[lane] && i0 + lane < owned;

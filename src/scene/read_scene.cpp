@@ -61,6 +61,9 @@ void read_numerics(const Parameters& root, Scene& scene) {
   m.gradient_correction = correction == "full"       ? GradientCorrection::Full
                           : correction == "velocity" ? GradientCorrection::Velocity
                                                      : GradientCorrection::None;
+  if (n.has("largest_correction")) m.largest_correction = n.real("largest_correction");
+  if (m.largest_correction > 0 && m.gradient_correction == GradientCorrection::None)
+    n.fail("largest_correction", "there is no correction to bound. Give gradient_correction as well.");
   m.viscosity_alpha = n.real("viscosity_alpha");
   m.viscosity_beta = n.real("viscosity_beta");
   m.viscosity_reconstruction = n.boolean("viscosity_reconstruction");

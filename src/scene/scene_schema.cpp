@@ -98,6 +98,13 @@ void declare_numerics(Schema& s) {
            "gives "
            "free surfaces their right stiffness")
       .by_default("none");
+  n.real(
+       "largest_correction",
+       "largest norm of the correction's matrix; without it 7.1 with \"full\" (the corner of a box) and 15 with "
+       "\"velocity\". Beyond, chips and acute corners, the full correction is scaled down, the other left out. Larger "
+       "values need smaller steps: 50 a cfl of 0.34")
+      .range(1, 1000)
+      .optional();
   n.real("viscosity_alpha", "linear artificial viscosity").not_negative().by_default(1.0);
   n.real("viscosity_beta", "quadratic artificial viscosity").not_negative().by_default(0.0);
   n.boolean("viscosity_reconstruction",

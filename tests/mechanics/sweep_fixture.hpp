@@ -97,7 +97,7 @@ struct GradientResult {
 };
 template <class S, class K, bool Corrected, DensityDiffusion Diffusion = DensityDiffusion::Off, bool VariableH = false,
           bool Keep = false>
-GradientResult<S> swept_gradient(const ParticleSet& p, const PairList& pairs, double smoothing) {
+GradientResult<S> swept_gradient(const ParticleSet& p, const PairList& pairs, double smoothing, double largest = 50) {
   constexpr int dim = S::dim;
   const AlignedVector records = gradient_records<S, VariableH, Diffusion>(p);
   GradientResult<S> result;
@@ -107,7 +107,7 @@ GradientResult<S> swept_gradient(const ParticleSet& p, const PairList& pairs, do
   for (std::size_t first = 0; first < p.clusters(); first += GradientBlock<S>::clusters) {
     const std::size_t last = std::min(first + GradientBlock<S>::clusters, p.clusters());
     result.fallbacks += velocity_gradient_sweep<S, K, Corrected, Diffusion, VariableH, Keep>(
-        records, pairs, first, last, p.owned(), smoothing, block, active);
+        records, pairs, first, last, p.owned(), smoothing, largest, block, active);
     for (std::size_t i = first * cluster_size; i < std::min(last * cluster_size, p.owned()); ++i) {
       Matrix<dim>& gradient = result.gradient.emplace_back();
       Matrix<dim>& correction = result.correction.emplace_back();
