@@ -165,6 +165,7 @@ TEST(TubeTwins, HotMetalGoesUpIntoTheGap) {
 }
 
 /// Three alloys, hot, under the tool: each keeps its particles, and the sheet is dragged around.
+/// With a step a tenth above the default: chips in the gap are the stiffest that a run meets.
 TEST(TubeTwins, ThreeAlloysFlowAndNoneIsLost) {
   const auto run = started(
       scene_of(4), {"numerics.spacing=1 mm", "body.0.shape.shapes.0.height=10 mm", "body.1.shape.shapes.0.height=10 mm",
@@ -173,7 +174,7 @@ TEST(TubeTwins, ThreeAlloysFlowAndNoneIsLost) {
                     "rigid.0.reference_point=[\"0 mm\",\"0 mm\",\"10 mm\"]", "rigid.0.heat.temperature=700 K",
                     "rigid.1.heat.temperature=600 K", "rigid.2.heat.temperature=600 K", "rigid.0.heat.mesh.near=3 mm",
                     "rigid.1.heat.mesh.near=3 mm", "rigid.2.heat.mesh.near=4 mm",
-                    "rigid.0.motion={type=\"velocity\", z=\"-5 mm/s\"}", "time.end=0.2 s"});
+                    "rigid.0.motion={type=\"velocity\", z=\"-5 mm/s\"}", "time.cfl=0.55", "time.end=0.2 s"});
   std::map<int, double> before, after;
   const auto masses = [&](std::map<int, double>& of) {
     const auto material = gathered(*run, field::material), mass = gathered(*run, field::mass);
